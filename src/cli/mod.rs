@@ -1,0 +1,55 @@
+//! The program: commands, what they print, and the files they write (PROTOCOL).
+
+pub mod arguments;
+mod demonstration;
+mod files;
+mod inspect;
+mod measure;
+mod pictures;
+mod progress;
+mod setting;
+mod stability;
+mod walk;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use crate::error::Result;
+use arguments::{Arguments, Command};
+
+/// Runs the program. Exit status: 0 done; 2 bad usage or input, with one line on stderr.
+pub fn run(args: impl Iterator<Item = OsString>) -> ExitCode {
+    let arguments = match arguments::parse(args) {
+        Ok(arguments) => arguments,
+        Err(exit) if exit.to_stdout => {
+            println!("{}", exit.message);
+            return ExitCode::from(exit.code);
+        }
+        Err(exit) => {
+            eprintln!("{}", exit.message);
+            return ExitCode::from(exit.code);
+        }
+    };
+    match execute(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("homcull: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn execute(arguments: &Arguments) -> Result<()> {
+    let options = &arguments.options;
+    match &arguments.command {
+        None => demonstration::run(options),
+        Some(Command::Walk { scene, methods }) => walk::run(scene, methods, options),
+        Some(Command::Measure { kernel, scene, cluster_test, depth }) => {
+            measure::run(*kernel, scene, cluster_test.is_on(), *depth, options)
+        }
+        Some(Command::Inspect { scene }) => inspect::scene(scene, options),
+        Some(Command::Scenes) => inspect::generators(),
+        Some(Command::Methods) => inspect::methods(),
+        Some(Command::Stability) => stability::run(options),
+    }
+}

@@ -1,0 +1,83 @@
+//! `homcull walk`: methods along a path, their table, files and pictures.
+
+use std::path::Path;
+
+use super::arguments::Options;
+use super::pictures::Pictures;
+use super::setting::{self, Setting};
+use super::{files, progress};
+use crate::cull::Method;
+use crate::error::Result;
+use crate::measure::plot::{FrameAxis, culling_graph, frame_rate_graph};
+use crate::measure::report::WalkReport;
+use crate::measure::walk::{WalkOptions, walk};
+use crate::measure::{csv, json, table_walk};
+use crate::scene::PreparedScene;
+
+/// Times each frame is drawn by each method unless said otherwise: once, so that a walk is a walk.
+const REPETITIONS: usize = 1;
+/// Frames written as pictures when there is a folder for them.
+const IMAGES: usize = 3;
+
+/// Walks, prints the table, and writes what was asked for.
+pub fn run(scene: &str, methods: &[String], options: &Options) -> Result<()> {
+    let methods = methods.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
+    let out = options.out.as_deref().map(files::folder).transpose()?;
+    let setting = setting::load(scene, options, false)?;
+    let report = walk_setting(&setting, &methods, options, out.as_deref())?;
+    print(&report, options)?;
+    if let Some(out) = out.as_deref() {
+        plots(&report, out)?;
+    }
+    Ok(())
+}
+
+/// Walks with a progress bar, and writes pictures to `out`.
+pub fn walk_setting(
+    setting: &Setting,
+    methods: &[Method],
+    options: &Options,
+    out: Option<&Path>,
+) -> Result<WalkReport> {
+    let level = setting::level(options)?;
+    let workers = setting::workers(options, setting::processors())?;
+    let scene = PreparedScene::new(&setting.scene)?;
+    let repetitions = options.repetitions.map_or(REPETITIONS, |n| n as usize);
+    let walk_options = WalkOptions { level, workers: &workers, repetitions, exact: !options.no_exact };
+    let bar = progress::bar(setting.views.len() * methods.len(), "walk", options.quiet);
+    let images = options.images.map_or(IMAGES, |n| n as usize);
+    let mut pictures = out.map(|out| Pictures::new(out, setting, &scene, methods, level, images)).transpose()?;
+    let report = walk(&setting.scene.name, &scene, &setting.views, methods, &walk_options, |look| {
+        bar.inc(1);
+        pictures.as_mut().map_or(Ok(()), |p| p.take(look))
+    })?;
+    bar.finish_and_clear();
+    Ok(report)
+}
+
+/// The table on standard output unless JSON or CSV go there, and the files asked for.
+pub fn print(report: &WalkReport, options: &Options) -> Result<()> {
+    use crate::measure::report_target::Target;
+    let to_stdout = |t: &Option<Target>| matches!(t, Some(Target::Stdout));
+    if !options.quiet && !to_stdout(&options.json) && !to_stdout(&options.csv) {
+        print!("{}", table_walk::walk(report));
+    }
+    if let Some(target) = &options.json {
+        json::write_json(target, &json::walk(report))?;
+    }
+    if let Some(target) = &options.csv {
+        csv::write_csv(target, report)?;
+    }
+    Ok(())
+}
+
+/// The frame-rate graph, and a culling graph for every method that culls.
+pub fn plots(report: &WalkReport, out: &Path) -> Result<()> {
+    frame_rate_graph(&out.join("frame-rate.png"), report, FrameAxis::FramesPerSecond)?;
+    for (i, run) in report.runs.iter().enumerate() {
+        if run.method.starts_with("hom") {
+            culling_graph(&out.join(format!("culling-{}-{}.png", i + 1, run.method)), report, run)?;
+        }
+    }
+    Ok(())
+}

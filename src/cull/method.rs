@@ -1,0 +1,284 @@
+//! Methods by name and parameters, as they are written on the command line: `hom:depth=nbz,threshold=0.85`.
+
+use crate::error::{Error, Result};
+use crate::occlusion::DepthReading;
+use crate::select::{DEFAULT_TRIANGLES, Measure};
+use crate::view::Viewport;
+
+/// A method and its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// View-frustum culling alone.
+    Vfc,
+    /// Hierarchical occlusion maps.
+    Hom(HomParameters),
+    /// The exact visible set.
+    Ideal,
+}
+
+/// When the occlusion representation is updated (Zhang 1998, 2.1.4).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Update {
+    /// From selected occluders, before anything is tested: one pass.
+    Once,
+    /// Whenever visible objects of more than this many triangles have gathered: multi-pass.
+    Batches(u64),
+    /// After every visible object: progressive.
+    Always,
+}
+
+/// How occluders are chosen for one pass (7.3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Selection {
+    /// The nearest, under a triangle limit.
+    Distance(Measure),
+    /// All that reach nearer than this distance along the view direction.
+    ZPlane(f32),
+}
+
+/// Parameters of the hom methods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HomParameters {
+    /// When the representation is updated.
+    pub update: Update,
+    /// How depth is read.
+    pub depth: DepthReading,
+    /// How occluders are chosen.
+    pub select: Selection,
+    /// Triangles of the chosen occluders, at most.
+    pub occluder_triangles: u64,
+    /// Samples of the occlusion buffer; the display's when `None`. Others are not conservative.
+    pub resolution: Option<Viewport>,
+    /// Opacity threshold of every level, above 0 and at most 1. Below 1 is not conservative.
+    pub threshold: f64,
+    /// Consecutive tests without a hidden object after which testing ends for the frame.
+    pub bypass_after: u32,
+}
+
+/// Update size of `hom-multipass`, in triangles.
+pub const DEFAULT_UPDATE_TRIANGLES: u64 = 2_000;
+/// Distance of the z-plane, in scene units.
+pub const DEFAULT_Z_PLANE: f32 = 50.0;
+/// Consecutive tests without a hidden object before the bypass. Well-occluded frames of the benchmark scenes show up to
+/// 250 objects, so it lies above; open terrain has thousands.
+pub const DEFAULT_BYPASS: u32 = 384;
+
+impl HomParameters {
+    /// The defaults, for an update mode.
+    pub fn new(update: Update) -> HomParameters {
+        HomParameters {
+            update,
+            depth: DepthReading::PerSample,
+            select: Selection::Distance(Measure::Center),
+            occluder_triangles: DEFAULT_TRIANGLES,
+            resolution: None,
+            threshold: 1.0,
+            bypass_after: DEFAULT_BYPASS,
+        }
+    }
+
+    /// True when the picture is guaranteed to stay the same.
+    pub fn is_conservative(&self) -> bool {
+        self.threshold == 1.0 && self.resolution.is_none()
+    }
+}
+
+/// What `homcull methods` says of one.
+#[derive(Debug, Clone, Copy)]
+pub struct MethodDescription {
+    /// Its name.
+    pub name: &'static str,
+    /// Where it is from.
+    pub source: &'static str,
+    /// What it promises.
+    pub guarantee: &'static str,
+    /// Parameters with their values, the default first.
+    pub parameters: &'static str,
+    /// When to use it.
+    pub when: &'static str,
+}
+
+const HOM_PARAMETERS: &str = "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384";
+
+/// All methods.
+pub fn methods() -> &'static [MethodDescription] {
+    &[
+        MethodDescription {
+            name: "vfc",
+            source: "view-frustum culling, hierarchical with plane masking",
+            guarantee: "conservative",
+            parameters: "none",
+            when: "the baseline; open scenes need no more",
+        },
+        MethodDescription {
+            name: "hom",
+            source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
+            guarantee: "conservative with threshold=1 at the display's resolution",
+            parameters: "select=distance|nearest|zplane, occluder-triangles=25000, z=50, update=once|batches|always, and: \
+                         depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384",
+            when: "near objects hide most of the rest; occluders can be drawn on other threads",
+        },
+        MethodDescription {
+            name: "hom-multipass",
+            source: "Zhang 1998, 2.1.4 and figure 2.4",
+            guarantee: "conservative with threshold=1 at the display's resolution",
+            parameters: "update-triangles=2000, and those of hom-progressive",
+            when: "updates are dear",
+        },
+        MethodDescription {
+            name: "hom-progressive",
+            source: "Zhang 1998, 2.1.4 and figure 2.3, through the hierarchy",
+            guarantee: "conservative with threshold=1 at the display's resolution",
+            parameters: HOM_PARAMETERS,
+            when: "the first choice where anything is hidden",
+        },
+        MethodDescription {
+            name: "ideal",
+            source: "Zhang 1998, 8.3.1: the objects of an exact item buffer",
+            guarantee: "exact; its set is computed beforehand and not timed",
+            parameters: "set=exact",
+            when: "to see what any method could gain at most",
+        },
+    ]
+}
+
+impl Method {
+    /// Reads a method as written: `NAME[:key=value,...]`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] naming the method, key or value that is not known.
+    pub fn parse(text: &str) -> Result<Method> {
+        let (name, parameters) = text.split_once(':').unwrap_or((text, ""));
+        let mut method = match name {
+            "vfc" => Method::Vfc,
+            "hom" => Method::Hom(HomParameters::new(Update::Once)),
+            "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
+            "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
+            "ideal" => Method::Ideal,
+            _ => {
+                let known: Vec<_> = methods().iter().map(|m| m.name).collect();
+                return Err(Error::parameter("method", name, format!("known are {}", known.join(", "))));
+            }
+        };
+        for part in parameters.split(',').filter(|p| !p.is_empty()) {
+            let (key, value) =
+                part.split_once('=').ok_or_else(|| Error::parameter("method parameter", part, "must be key=value"))?;
+            method.set(name, key, value)?;
+        }
+        Ok(method)
+    }
+
+    fn set(&mut self, name: &str, key: &str, value: &str) -> Result<()> {
+        let unknown = || Error::parameter(format!("{name} parameter"), key, "not known; see `homcull methods`");
+        match self {
+            Method::Vfc => Err(unknown()),
+            Method::Ideal => match (key, value) {
+                ("set", "exact") => Ok(()),
+                ("set", _) => Err(Error::parameter("set", value, "exact")),
+                _ => Err(unknown()),
+            },
+            Method::Hom(p) => p.set(key, value, unknown),
+        }
+    }
+
+    /// The name without parameters.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Method::Vfc => "vfc",
+            Method::Ideal => "ideal",
+            Method::Hom(p) => match p.update {
+                Update::Once => "hom",
+                Update::Batches(_) => "hom-multipass",
+                Update::Always => "hom-progressive",
+            },
+        }
+    }
+
+    /// All parameters with their values.
+    pub fn parameters(&self) -> Vec<(String, String)> {
+        match self {
+            Method::Vfc => Vec::new(),
+            Method::Ideal => vec![("set".into(), "exact".into())],
+            Method::Hom(p) => p.list(),
+        }
+    }
+}
+
+impl HomParameters {
+    fn set(&mut self, key: &str, value: &str, unknown: impl Fn() -> Error) -> Result<()> {
+        let bad = |reason: &str| Error::parameter(key, value, reason);
+        let number = |what: &str| value.parse::<u64>().map_err(|_| bad(what));
+        match (key, value) {
+            ("depth", "nbz") => self.depth = DepthReading::PerSample,
+            ("depth", "nbz-block") => self.depth = DepthReading::PerBlock,
+            ("depth", _) => return Err(bad("nbz or nbz-block")),
+            ("update", "once") => self.update = Update::Once,
+            ("update", "batches") => self.update = Update::Batches(DEFAULT_UPDATE_TRIANGLES),
+            ("update", "always") => self.update = Update::Always,
+            ("update", _) => return Err(bad("once, batches or always")),
+            ("update-triangles", _) if matches!(self.update, Update::Batches(_)) => {
+                self.update = Update::Batches(number("a number of triangles")?);
+            }
+            ("select", "distance") => self.select = Selection::Distance(Measure::Center),
+            ("select", "nearest") => self.select = Selection::Distance(Measure::Nearest),
+            ("select", "zplane") => self.select = Selection::ZPlane(DEFAULT_Z_PLANE),
+            ("select", _) => return Err(bad("distance, nearest or zplane")),
+            ("z", _) => {
+                let z = value
+                    .parse::<f32>()
+                    .ok()
+                    .filter(|z| z.is_finite() && *z > 0.0)
+                    .ok_or_else(|| bad("a distance above 0"))?;
+                self.select = Selection::ZPlane(z);
+            }
+            ("occluder-triangles", _) => self.occluder_triangles = number("a number of triangles")?,
+            ("threshold", _) => {
+                let t = value.parse::<f64>().ok().filter(|t| *t > 0.0 && *t <= 1.0);
+                self.threshold = t.ok_or_else(|| bad("an opacity above 0 and at most 1"))?;
+            }
+            ("resolution", _) => self.resolution = Some(parse_resolution(value)?),
+            ("bypass", _) => {
+                let n = number("a number of tests")?;
+                self.bypass_after = u32::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| bad("1 to 4294967295"))?;
+            }
+            _ => return Err(unknown()),
+        }
+        Ok(())
+    }
+
+    fn list(&self) -> Vec<(String, String)> {
+        let mut out: Vec<(&str, String)> = Vec::new();
+        out.push(("depth", if self.depth == DepthReading::PerSample { "nbz" } else { "nbz-block" }.into()));
+        match self.update {
+            Update::Once => {
+                let select = match self.select {
+                    Selection::Distance(Measure::Center) => "distance",
+                    Selection::Distance(Measure::Nearest) => "nearest",
+                    Selection::ZPlane(_) => "zplane",
+                };
+                out.push(("select", select.into()));
+                match self.select {
+                    Selection::ZPlane(z) => out.push(("z", z.to_string())),
+                    Selection::Distance(_) => out.push(("occluder-triangles", self.occluder_triangles.to_string())),
+                }
+            }
+            Update::Batches(n) => out.push(("update-triangles", n.to_string())),
+            Update::Always => {}
+        }
+        if let Some(v) = self.resolution {
+            out.push(("resolution", format!("{}x{}", v.width(), v.height())));
+        }
+        out.push(("threshold", self.threshold.to_string()));
+        out.push(("bypass", self.bypass_after.to_string()));
+        out.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
+    }
+}
+
+fn parse_resolution(value: &str) -> Result<Viewport> {
+    let sides = value.split_once('x').and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
+    let (width, height) = sides.ok_or_else(|| Error::parameter("resolution", value, "WxH, in samples"))?;
+    match (u32::try_from(width), u32::try_from(height)) {
+        (Ok(w), Ok(h)) => Viewport::new(w, h),
+        _ => Err(Error::Size { width, height }),
+    }
+}

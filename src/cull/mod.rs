@@ -1,0 +1,29 @@
+//! The culling methods, one file each.
+//!
+//! A method is a *filter*, which looks at a node of the hierarchy and a view ([`frustum`]), and a *driver* at the end,
+//! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
+//! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
+
+pub mod frustum;
+pub mod hom;
+pub mod ideal;
+mod method;
+mod progressive;
+pub mod vfc;
+
+pub use method::{HomParameters, Method, MethodDescription, Selection, Update, methods};
+
+/// What a frame's culling found, and what it cost in counts.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct VisibleSet {
+    /// Objects to draw, nearest first.
+    pub objects: Vec<u32>,
+    /// Objects whose box meets the frustum.
+    pub in_frustum: u32,
+    /// Their triangles.
+    pub triangles_in_frustum: u64,
+    /// Occlusion tests of objects and nodes.
+    pub queries: u64,
+    /// True when testing was given up for the frame because nothing was hidden.
+    pub bypassed: bool,
+}

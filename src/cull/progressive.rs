@@ -1,0 +1,208 @@
+//! Progressive culling through the hierarchy (Zhang 1998, 2.1.4): nearest first, top down.
+//!
+//! A queue holds groups and objects by the distance to their boxes; what comes out is tested against all that has been
+//! drawn, a hidden group takes everything below it along, a visible object becomes an occluder at once. A group's children are
+//! put into the frustum and onto the screen in one call. An object is never nearer than its group, so objects come out
+//! nearest first whatever the tree.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use homcull_simd::{Kernel, Simd};
+
+use super::VisibleSet;
+use super::frustum::{ALL_PLANES, CollectInFrustum, planes_left};
+use super::hom::{BYPASS_BATCH, Bypass, HomFrame};
+use super::method::HomParameters;
+use super::vfc::World;
+use crate::occlusion::{
+    BoxView, DepthReading, Edges, NEAR, OccluderSinkRef, PlacedRows, ProjectedBox, ProjectedBoxes, may_be_seen,
+    project_lanes,
+};
+use crate::raster::{Engine, Queues, RasterCounts};
+use crate::scene::{Child, WideHierarchy};
+use crate::view::View;
+
+/// Walks the hierarchy of one frame.
+pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
+    let HomFrame { buffer, view, boxes, stack, .. } = frame;
+    let box_view = world.box_view(view);
+    let reading = buffer.settings().depth;
+    let cluster_test = buffer.settings().cluster_test;
+    let (level, mut sink, queues, counts) = buffer.parts();
+    let walk = Walk {
+        world,
+        view,
+        box_view: &box_view,
+        reading,
+        cluster_test,
+        bypass_after: parameters.bypass_after,
+        sink: OccluderSinkRef(&mut sink),
+        queues,
+        counts,
+        rest: boxes,
+        stack,
+    };
+    level.run(walk)
+}
+
+struct Walk<'a, 'w, 'r, 's> {
+    world: &'a World<'w>,
+    view: &'a View,
+    box_view: &'a BoxView,
+    reading: DepthReading,
+    cluster_test: bool,
+    bypass_after: u32,
+    sink: OccluderSinkRef<'r, 's>,
+    queues: &'a mut Queues,
+    counts: &'a mut RasterCounts,
+    /// What is left when testing is given up.
+    rest: &'a mut ProjectedBoxes,
+    stack: &'a mut Vec<(u32, u8)>,
+}
+
+/// What waits in the queue, beside its key.
+struct Waiting {
+    b: ProjectedBox,
+    /// `None` for an object; else the group, and the planes it may cross.
+    group: Option<(u32, u8)>,
+}
+
+/// The queue: keys are distance bits, then the place in the list, so that ties come out as they went in.
+#[derive(Default)]
+struct Front {
+    heap: BinaryHeap<Reverse<u64>>,
+    waiting: Vec<Waiting>,
+}
+
+impl Front {
+    fn push(&mut self, distance: u32, waiting: Waiting) {
+        self.heap.push(Reverse(u64::from(distance) << 32 | self.waiting.len() as u64));
+        self.waiting.push(waiting);
+    }
+
+    fn pop(&mut self) -> Option<(u32, &Waiting)> {
+        let Reverse(key) = self.heap.pop()?;
+        Some(((key >> 32) as u32, &self.waiting[key as u32 as usize]))
+    }
+}
+
+impl Kernel for Walk<'_, '_, '_, '_> {
+    type Output = VisibleSet;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> VisibleSet {
+        let Walk { world, view, box_view, reading, cluster_test, bypass_after, sink, queues, counts, rest, stack } =
+            self;
+        let (scene, tree) = (world.scene, &world.tree);
+        let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test };
+        let mut placed = PlacedRows::new(view);
+        let mut set = VisibleSet::default();
+        let mut bypass = Bypass::new(bypass_after);
+        let mut front = Front::default();
+        rest.clear();
+        begin(tree, &mut front);
+        let mut children = ProjectedBoxes::new();
+        let mut objects_tested = 0;
+        while let Some((_, waiting)) = front.pop() {
+            let b = waiting.b;
+            let map = engine.sink.0.view();
+            set.queries += 1;
+            match waiting.group {
+                Some((group, active)) => {
+                    let bounds = std::slice::from_ref(&tree.bounds[group as usize]);
+                    if may_be_seen(s, &map, box_view, &b.renumbered(0), bounds, reading) {
+                        open_group(s, box_view, tree, group, active, &mut children, &mut front);
+                    } else {
+                        bypass.saw(true);
+                    }
+                }
+                None => {
+                    let seen = may_be_seen(s, &map, box_view, &b, &scene.bounds, reading);
+                    bypass.saw(!seen);
+                    objects_tested += 1;
+                    if seen {
+                        let occluder = &scene.occluders[b.id() as usize];
+                        set.objects.push(b.id());
+                        if occluder.opaque {
+                            engine.draw(&scene.meshes, &placed.placement(occluder));
+                            engine.flush();
+                        }
+                    }
+                    if objects_tested % BYPASS_BATCH == 0 && bypass.is_due() {
+                        set.bypassed = true;
+                        take_rest(s, box_view, tree, &mut front, stack, rest);
+                        break;
+                    }
+                }
+            }
+        }
+        *counts += engine.counts;
+        set.objects.extend(rest.boxes().iter().map(|b| b.id()));
+        set
+    }
+}
+
+/// The root, and what has no box.
+fn begin(tree: &WideHierarchy, front: &mut Front) {
+    if !tree.is_empty() {
+        front.push(0, Waiting { b: ProjectedBox::everywhere(NEAR), group: Some((0, ALL_PLANES)) });
+    }
+    for &id in &tree.unbounded {
+        front.push(0, Waiting { b: ProjectedBox::everywhere(id | NEAR), group: None });
+    }
+}
+
+/// Puts a group's children that meet the frustum into the queue.
+#[inline(always)]
+fn open_group<S: Simd>(
+    s: S,
+    view: &BoxView,
+    tree: &WideHierarchy,
+    group: u32,
+    active: u8,
+    children: &mut ProjectedBoxes,
+    front: &mut Front,
+) {
+    let boxes = Edges::new(s, view, &tree.groups[group as usize]);
+    let (k, inside) = boxes.against_planes(s, view, active);
+    if k == 0 {
+        return;
+    }
+    let mut lanes = [0; 16];
+    for (i, lane) in lanes.iter_mut().enumerate() {
+        *lane = i as u32;
+    }
+    children.clear();
+    project_lanes(s, view, &boxes, k, &lanes, children);
+    let links = tree.links(group);
+    for (b, distance) in children.with_distances() {
+        let lane = b.id() as usize;
+        let waiting = match WideHierarchy::child(links[lane]) {
+            Child::Object(id) => Waiting { b: b.renumbered(id), group: None },
+            Child::Group(child) => Waiting { b: *b, group: Some((child, planes_left(active, &inside, lane))) },
+        };
+        front.push(distance, waiting);
+    }
+}
+
+/// Testing is given up: all that waits, and all that is below it, is drawn, nearest first.
+#[inline(always)]
+fn take_rest<S: Simd>(
+    s: S,
+    view: &BoxView,
+    tree: &WideHierarchy,
+    front: &mut Front,
+    stack: &mut Vec<(u32, u8)>,
+    rest: &mut ProjectedBoxes,
+) {
+    stack.clear();
+    while let Some((distance, waiting)) = front.pop() {
+        match waiting.group {
+            Some(group) => stack.push(group),
+            None => rest.push_unprojected(waiting.b.id(), distance),
+        }
+    }
+    CollectInFrustum { view, tree, project: false, stack, out: &mut *rest }.run(s);
+    rest.sort();
+}

@@ -1,0 +1,79 @@
+//! View-frustum culling alone: the baseline of every speed-up. Same hierarchy, same order, same draw as the other methods.
+
+use homcull_simd::Level;
+
+use super::VisibleSet;
+use super::frustum::{ALL_PLANES, CollectInFrustum, push_unbounded};
+use crate::occlusion::{BoxView, ProjectedBoxes};
+use crate::raster::{Grid, ObjectRows};
+use crate::scene::{PreparedScene, WideHierarchy};
+use crate::view::View;
+
+/// A scene with its hierarchy: what the methods walk.
+pub struct World<'s> {
+    /// The scene.
+    pub scene: &'s PreparedScene,
+    /// The hierarchy over its objects.
+    pub tree: WideHierarchy,
+}
+
+impl<'s> World<'s> {
+    /// Builds the hierarchy.
+    pub fn new(scene: &'s PreparedScene) -> World<'s> {
+        World { scene, tree: WideHierarchy::new(&scene.bounds) }
+    }
+
+    /// The view as the scene's boxes see it.
+    pub(crate) fn box_view(&self, view: &View) -> BoxView {
+        BoxView::new(ObjectRows::new(view, self.scene.origin), Grid::new(view.viewport()), view.near_center())
+    }
+
+    /// Collects the objects in the frustum, sorted nearest first.
+    pub(crate) fn collect(
+        &self,
+        level: Level,
+        view: &View,
+        project: bool,
+        stack: &mut Vec<(u32, u8)>,
+        out: &mut ProjectedBoxes,
+    ) {
+        let box_view = self.box_view(view);
+        out.clear();
+        stack.clear();
+        if !self.tree.is_empty() {
+            stack.push((0, ALL_PLANES));
+        }
+        level.run(CollectInFrustum { view: &box_view, tree: &self.tree, project, stack, out });
+        push_unbounded(&self.tree, out);
+        out.sort();
+    }
+
+    /// A visible set that is everything in the frustum.
+    pub(crate) fn all_of(&self, boxes: &ProjectedBoxes) -> VisibleSet {
+        let objects: Vec<u32> = boxes.boxes().iter().map(|b| b.id()).collect();
+        VisibleSet {
+            in_frustum: objects.len() as u32,
+            triangles_in_frustum: self.triangles(&objects),
+            objects,
+            ..VisibleSet::default()
+        }
+    }
+
+    /// Triangles of objects.
+    pub fn triangles(&self, objects: &[u32]) -> u64 {
+        objects.iter().map(|&o| u64::from(self.scene.triangles(o))).sum()
+    }
+}
+
+/// Working memory of the walk, reused from frame to frame.
+#[derive(Default)]
+pub struct VfcMemory {
+    pub(crate) boxes: ProjectedBoxes,
+    pub(crate) stack: Vec<(u32, u8)>,
+}
+
+/// Everything in the frustum, nearest first.
+pub fn cull(world: &World<'_>, level: Level, view: &View, memory: &mut VfcMemory) -> VisibleSet {
+    world.collect(level, view, false, &mut memory.stack, &mut memory.boxes);
+    world.all_of(&memory.boxes)
+}

@@ -1,0 +1,108 @@
+//! The machine-readable report: JSON with stable field names.
+//!
+//! Field names and units are a promise to whoever reads them by program: times in milliseconds,
+//! ratios plain, percent only where the name says so. What was not measured is `null`, never zero:
+//! the exact figures without the exact reference, the ratios without the method they are against.
+//! Hashes are strings of 16 hexadecimal digits, because JSON's numbers end at 53 bits.
+
+use serde_json::{Map, Value, json};
+
+use super::report::{FrameRatios, MethodRun, WalkReport};
+use super::report_target::Target;
+use crate::error::Result;
+
+/// The walk as `walk --json` prints it.
+pub fn walk(report: &WalkReport) -> Value {
+    let runs: Vec<Value> = report.runs.iter().map(|run| method_run(report, run)).collect();
+    json!({
+        "scene": {
+            "name": report.scene_name,
+            "objects": report.objects,
+            "triangles": report.triangles,
+        },
+        "view": {"width": report.width, "height": report.height, "frames": report.frames},
+        "machine": {
+            "simd": report.simd,
+            "threads": report.threads,
+            "clock_ghz": report.clock_ghz,
+        },
+        "runs": runs,
+    })
+}
+
+fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
+    let parameters: Map<String, Value> =
+        run.parameters.iter().map(|(key, value)| (key.clone(), json!(value))).collect();
+    let times = run.frame_ms();
+    let stages = run.stage_ms();
+    json!({
+        "method": run.method,
+        "parameters": parameters,
+        "frame_ms": {
+            "median": times.median,
+            "p95": times.p95,
+            "min": times.min,
+            "max": times.max,
+            "total": times.total,
+        },
+        "stage_ms": {
+            "select": stages.select,
+            "occluders": stages.occluders,
+            "pyramid": stages.pyramid,
+            "cull": stages.cull,
+            "draw": stages.draw,
+        },
+        "mean": mean(report, run),
+        "bypassed_frames": run.bypassed_frames(),
+        "wrongly_culled_objects": run.wrongly_culled_objects(),
+        "wrong_pixels_percent": run
+            .wrong_pixels_percent(report.pixels())
+            .map(|wrong| json!({"mean": wrong.mean, "max": wrong.max})),
+        "speedup_over_vfc": ratios(report.speedup_over_vfc(run), "best_frame"),
+        "time_over_ideal": ratios(report.time_over_ideal(run), "worst_frame"),
+        "image_hash": hash(run.image_hash),
+        "visible_set_hash": hash(run.visible_set_hash),
+    })
+}
+
+fn mean(report: &WalkReport, run: &MethodRun) -> Value {
+    let mean = run.mean(report.pixels());
+    json!({
+        "objects_in_frustum": mean.objects_in_frustum,
+        "objects_drawn": mean.objects_drawn,
+        "objects_visible_exact": mean.objects_visible_exact,
+        "triangles_after_lod": mean.triangles_after_lod,
+        "triangles_in_frustum": mean.triangles_in_frustum,
+        "triangles_drawn": mean.triangles_drawn,
+        "triangles_visible_exact": mean.triangles_visible_exact,
+        "depth_complexity": mean.depth_complexity,
+        "queries": mean.queries,
+    })
+}
+
+fn ratios(ratios: Option<FrameRatios>, greatest: &str) -> Value {
+    ratios.map_or(Value::Null, |ratios| {
+        json!({
+            "mean_of_frames": ratios.mean_of_frames,
+            "of_means": ratios.of_means,
+            greatest: ratios.greatest_frame,
+        })
+    })
+}
+
+/// A hash as reports write it: 16 hexadecimal digits.
+pub fn hash(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
+/// Writes `value`, indented, with a line end.
+///
+/// # Errors
+///
+/// [`crate::Error::File`] with the target and the system's reason.
+pub fn write_json(target: &Target, value: &Value) -> Result<()> {
+    target.write(|out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}

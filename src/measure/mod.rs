@@ -1,0 +1,27 @@
+//! Walks and kernels, measured; error metrics; tables, plots and pictures.
+
+pub mod clock;
+#[cfg(feature = "cli")]
+pub mod csv;
+#[cfg(feature = "cli")]
+pub mod json;
+pub mod kernels;
+#[cfg(feature = "image")]
+pub mod picture;
+#[cfg(feature = "cli")]
+pub mod plot;
+#[cfg(feature = "cli")]
+mod plot_canvas;
+#[cfg(feature = "cli")]
+mod plot_chart;
+#[cfg(feature = "cli")]
+mod plot_labels;
+pub mod report;
+pub mod report_number;
+pub mod report_target;
+pub mod statistics;
+pub mod table;
+#[cfg(feature = "cli")]
+pub mod table_walk;
+#[cfg(feature = "bvh")]
+pub mod walk;

@@ -1,0 +1,282 @@
+//! Walks: methods along a camera path, interleaved, against the exact item buffer.
+//!
+//! Every frame is drawn by every method as often as asked, in turn, so that what slows the machine slows all of them; of each
+//! method's repetitions the fastest counts. The exact reference, everything in the frustum, is drawn once a frame and
+//! never timed.
+
+use std::time::Instant;
+
+use homcull_simd::Level;
+
+use super::clock::clock_ghz;
+use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
+use super::statistics::median;
+use crate::cull::hom::{self, HomFrame};
+use crate::cull::vfc::{self, VfcMemory, World};
+use crate::cull::{HomParameters, Method, VisibleSet, ideal};
+use crate::draw::{Canvas, DrawJob};
+use crate::error::Result;
+use crate::hash::Hash;
+use crate::scene::PreparedScene;
+use crate::view::View;
+use crate::workers::Workers;
+
+/// How to walk.
+pub struct WalkOptions<'a> {
+    /// SIMD level of everything.
+    pub level: Level,
+    /// Threads of the occluder draw and the final draw.
+    pub workers: &'a Workers,
+    /// Times each frame is drawn by each method, at least 1.
+    pub repetitions: usize,
+    /// Whether errors are measured against the exact item buffer.
+    pub exact: bool,
+}
+
+/// What may be looked at after a frame of a method: for pictures.
+pub struct FrameLook<'a> {
+    /// Frame number.
+    pub frame: usize,
+    /// Which of the methods.
+    pub method: usize,
+    /// The frame's view.
+    pub view: &'a View,
+    /// The picture.
+    pub canvas: &'a Canvas,
+    /// What was drawn.
+    pub drawn: &'a [u32],
+    /// Everything in the frustum.
+    pub in_frustum: &'a [u32],
+    /// The occlusion representation, of hom methods.
+    pub hom: Option<&'a mut HomFrame>,
+}
+
+/// Walks a path with some methods. `look` is called once a frame and method, outside all timing.
+///
+/// # Errors
+/// Those of views, methods and SIMD levels.
+pub fn walk(
+    name: &str,
+    scene: &PreparedScene,
+    views: &[View],
+    methods: &[Method],
+    options: &WalkOptions<'_>,
+    mut look: impl FnMut(FrameLook<'_>) -> Result<()>,
+) -> Result<WalkReport> {
+    let mut report = WalkReport {
+        scene_name: name.to_owned(),
+        objects: scene.occluders.len() as u64,
+        triangles: scene.colors.len() as u64,
+        frames: views.len(),
+        simd: options.level.name().to_owned(),
+        threads: options.workers.threads(),
+        ..WalkReport::default()
+    };
+    let Some(first) = views.first() else { return Ok(report) };
+    (report.width, report.height) = (first.viewport().width(), first.viewport().height());
+    let world = World::new(scene);
+    let mut exact = Exact::new(first, &world, options.level)?;
+    let mut runners = methods.iter().map(|m| Runner::new(m, first, options)).collect::<Result<Vec<_>>>()?;
+    let mut clocks = Vec::new();
+    for (frame, view) in views.iter().enumerate() {
+        exact.look(&world, view, options)?;
+        runners.iter_mut().for_each(Runner::begin_frame);
+        for repetition in 0..options.repetitions.max(1) {
+            clocks.push(clock_ghz());
+            for i in 0..runners.len() {
+                // Methods change places from repetition to repetition: none always follows the same one.
+                let i = (i + repetition) % runners.len();
+                let set = runners[i].draw(&world, view, &exact, options)?;
+                if repetition == 0 {
+                    runners[i].judge(&world, &set, &exact, options.exact);
+                    let Runner { canvas, hom, .. } = &mut runners[i];
+                    let hom = hom.as_mut();
+                    look(FrameLook {
+                        frame,
+                        method: i,
+                        view,
+                        canvas,
+                        drawn: &set.objects,
+                        in_frustum: &exact.in_frustum,
+                        hom,
+                    })?;
+                }
+            }
+        }
+    }
+    report.clock_ghz = median(&clocks).unwrap_or(0.0);
+    report.runs = runners.into_iter().map(Runner::finish).collect();
+    Ok(report)
+}
+
+/// The exact reference of a frame.
+struct Exact {
+    canvas: Canvas,
+    memory: VfcMemory,
+    in_frustum: Vec<u32>,
+    triangles_in_frustum: u64,
+    /// Samples that show each object.
+    samples: Vec<u32>,
+    /// Samples that each object covers, hidden or not.
+    fragments: Vec<u64>,
+    hash: u64,
+}
+
+impl Exact {
+    fn new(view: &View, world: &World<'_>, level: Level) -> Result<Exact> {
+        let objects = world.scene.occluders.len();
+        Ok(Exact {
+            canvas: Canvas::new(view.viewport(), level)?,
+            memory: VfcMemory::default(),
+            in_frustum: Vec::new(),
+            triangles_in_frustum: 0,
+            samples: vec![0; objects],
+            fragments: vec![0; objects],
+            hash: 0,
+        })
+    }
+
+    fn look(&mut self, world: &World<'_>, view: &View, options: &WalkOptions<'_>) -> Result<()> {
+        let set = vfc::cull(world, options.level, view, &mut self.memory);
+        let fragments = self.canvas.count_fragments(view, world.scene, &set.objects)?;
+        for (&object, count) in set.objects.iter().zip(fragments) {
+            self.fragments[object as usize] = count;
+        }
+        let workers = options.workers;
+        self.canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))?;
+        self.canvas.count_items(world.scene, &mut self.samples);
+        self.hash = self.canvas.hash(world.scene);
+        (self.in_frustum, self.triangles_in_frustum) = (set.objects, set.triangles_in_frustum);
+        Ok(())
+    }
+}
+
+/// One method at work.
+struct Runner<'m> {
+    method: &'m Method,
+    canvas: Canvas,
+    memory: VfcMemory,
+    hom: Option<HomFrame>,
+    frames: Vec<FrameRecord>,
+    image_hash: Hash,
+    set_hash: Hash,
+}
+
+impl<'m> Runner<'m> {
+    fn new(method: &'m Method, view: &View, options: &WalkOptions<'_>) -> Result<Runner<'m>> {
+        let hom = match method {
+            Method::Hom(parameters) => Some(HomFrame::new(view, options.level, parameters)?),
+            Method::Vfc | Method::Ideal => None,
+        };
+        Ok(Runner {
+            method,
+            canvas: Canvas::new(view.viewport(), options.level)?,
+            memory: VfcMemory::default(),
+            hom,
+            frames: Vec::new(),
+            image_hash: Hash::default(),
+            set_hash: Hash::default(),
+        })
+    }
+
+    fn begin_frame(&mut self) {
+        self.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
+    }
+
+    /// One timed frame; the record keeps the fastest repetition.
+    fn draw(&mut self, world: &World<'_>, view: &View, exact: &Exact, options: &WalkOptions<'_>) -> Result<VisibleSet> {
+        let prepared = match self.method {
+            Method::Ideal => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
+            Method::Vfc | Method::Hom(_) => None,
+        };
+        let mut stages = StageTimes::default();
+        let start = Instant::now();
+        let set = match self.method {
+            Method::Ideal => prepared.unwrap_or_default(),
+            Method::Vfc => timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut self.memory)),
+            Method::Hom(parameters) => self.cull_hom(world, view, parameters, options, &mut stages)?,
+        };
+        let workers = options.workers;
+        let canvas = &mut self.canvas;
+        timed(&mut stages.draw, || {
+            canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
+        })?;
+        let ms = start.elapsed().as_secs_f64() * 1e3;
+        if let Some(record) = self.frames.last_mut().filter(|r| ms < r.frame_ms) {
+            (record.frame_ms, record.stage_ms) = (ms, stages);
+        }
+        Ok(set)
+    }
+
+    fn cull_hom(
+        &mut self,
+        world: &World<'_>,
+        view: &View,
+        parameters: &HomParameters,
+        options: &WalkOptions<'_>,
+        stages: &mut StageTimes,
+    ) -> Result<VisibleSet> {
+        let frame = match self.hom.take() {
+            Some(frame) => frame,
+            None => HomFrame::new(view, options.level, parameters)?,
+        };
+        let frame = timed(&mut stages.select, || hom::select_occluders(world, options.level, view, parameters, frame))?;
+        let frame = timed(&mut stages.occluders, || hom::draw_occluders(world, options.workers, frame))?;
+        let frame = timed(&mut stages.pyramid, || hom::build_pyramid(frame));
+        let (set, frame) = timed(&mut stages.cull, || hom::cull(world, parameters, frame))?;
+        self.hom = Some(frame);
+        Ok(set)
+    }
+
+    /// Takes down a frame's counts and errors, after its first repetition.
+    fn judge(&mut self, world: &World<'_>, set: &VisibleSet, exact: &Exact, errors: bool) {
+        let scene = world.scene;
+        let mut drawn = set.objects.clone();
+        drawn.sort_unstable();
+        for &object in &drawn {
+            self.set_hash.add(object.into());
+        }
+        self.set_hash.add(u64::MAX);
+        let equal = self.canvas.equals(&exact.canvas);
+        self.image_hash.add(if equal { exact.hash } else { self.canvas.hash(scene) });
+        let visible = |o: &&u32| exact.samples[**o as usize] > 0;
+        let seen: Vec<u32> = exact.in_frustum.iter().filter(visible).copied().collect();
+        let missing = seen.iter().filter(|o| drawn.binary_search(o).is_err()).count() as u32;
+        let wrong = if equal { 0 } else { self.canvas.differing_samples(&exact.canvas, scene) };
+        let Some(record) = self.frames.last_mut() else { return };
+        *record = FrameRecord {
+            frame_ms: record.frame_ms,
+            stage_ms: record.stage_ms,
+            objects_in_frustum: exact.in_frustum.len() as u32,
+            objects_drawn: drawn.len() as u32,
+            objects_visible_exact: errors.then_some(seen.len() as u32),
+            triangles_after_lod: scene.colors.len() as u64,
+            triangles_in_frustum: exact.triangles_in_frustum,
+            triangles_drawn: world.triangles(&drawn),
+            triangles_visible_exact: errors.then(|| world.triangles(&seen)),
+            fragments: drawn.iter().map(|&o| exact.fragments[o as usize]).sum(),
+            queries: set.queries,
+            bypassed: set.bypassed,
+            wrongly_culled: errors.then_some(missing),
+            wrong_pixels: errors.then_some(wrong),
+        };
+    }
+
+    fn finish(self) -> MethodRun {
+        MethodRun {
+            method: self.method.name().to_owned(),
+            parameters: self.method.parameters(),
+            frames: self.frames,
+            image_hash: self.image_hash.value(),
+            visible_set_hash: self.set_hash.value(),
+        }
+    }
+}
+
+/// Runs something and takes down its milliseconds.
+fn timed<R>(ms: &mut f64, run: impl FnOnce() -> R) -> R {
+    let start = Instant::now();
+    let result = run();
+    *ms = start.elapsed().as_secs_f64() * 1e3;
+    result
+}

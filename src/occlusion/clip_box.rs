@@ -1,0 +1,155 @@
+//! A box clipped to the whole frustum, before its nearest depth is taken: a long wall beside the eye then reaches no
+//! nearer than where it enters the view (SEMANTICS, *Depth, ties*).
+//!
+//! Slow and in f64: done only for boxes that touch the near plane or leave the viewport, and only when the quick test calls them
+//! visible.
+
+use super::project::{BoxView, ROUNDING};
+use crate::geometry::{Aabb, SampleRect};
+
+/// The part of a box inside the frustum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ClippedBox {
+    /// It touches the near plane, or cannot be bounded.
+    Near,
+    /// Nothing of it is inside.
+    Outside,
+    /// The samples that it may touch, and its nearest depth, raised by its bound.
+    Inside(SampleRect, f32),
+}
+
+/// Six quads, by corner number: bit `axis` chooses the greater side.
+const FACES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
+
+/// The frustum is taken a quarter of a sample wider, in subpixels: nothing that rounding moves in by less is cut away. No
+/// sample lies that close to the edge of the viewport.
+const AROUND: f64 = 64.0;
+
+/// x, y, w, depth, near.
+type Point = [f64; 5];
+
+pub(crate) fn clip_box(view: &BoxView, b: Aabb) -> ClippedBox {
+    let rows = view.rows.rows.map(|r| r.map(f64::from));
+    let low: [f64; 3] = std::array::from_fn(|i| f64::from(b.min[i]) - f64::from(view.rows.eye[i]));
+    let high: [f64; 3] = std::array::from_fn(|i| f64::from(b.max[i]) - f64::from(view.rows.eye[i]));
+    let reach: [f64; 3] = std::array::from_fn(|i| low[i].abs().max(high[i].abs()));
+    let size = rows.map(|r| (0..3).map(|i| r[i].abs() * reach[i]).sum::<f64>() + r[3].abs());
+    if !size.iter().all(|v| v.is_finite()) {
+        return ClippedBox::Near;
+    }
+    if view
+        .near_center
+        .is_none_or(|c| (0..3).all(|i| low[i] - reach[i] * 1e-6 <= c[i] && c[i] <= high[i] + reach[i] * 1e-6))
+    {
+        return ClippedBox::Near;
+    }
+    let corner = |n: usize| -> Point {
+        let p: [f64; 3] = std::array::from_fn(|i| if n >> i & 1 != 0 { high[i] } else { low[i] });
+        rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
+    };
+    let corners: [Point; 8] = std::array::from_fn(corner);
+    let sides = [f64::from(view.grid.width()) * 256.0, f64::from(view.grid.height()) * 256.0];
+    let rounding = f64::from(ROUNDING);
+    let mut part = Part::NONE;
+    for face in FACES {
+        let mut polygon = Outline { points: [[0.0; 5]; 9], len: 4 };
+        for (to, n) in polygon.points.iter_mut().zip(face) {
+            *to = corners[n];
+        }
+        for plane in 0..5 {
+            polygon = polygon.clipped(|p| distance(p, plane, sides));
+        }
+        for p in &polygon.points[..polygon.len] {
+            part.add(p);
+        }
+    }
+    if part.least_near <= rounding * size[4] {
+        return ClippedBox::Near;
+    }
+    if part.w == f64::INFINITY {
+        return ClippedBox::Outside;
+    }
+    // The bound of `project`, at the part's least w.
+    let bound = |r: usize, most: f64| rounding * (size[r] + most * size[2]) / part.w;
+    let (mx, my) = (bound(0, sides[0]) + 0.5, bound(1, sides[1]) + 0.5);
+    if mx.max(my) > AROUND {
+        return ClippedBox::Near;
+    }
+    let range = |[low, high]: [f64; 2], margin: f64, side: f64| {
+        let first = ((low - margin + 127.0) / 256.0).floor().max(0.0) as i32;
+        let last = ((high + margin - 128.0) / 256.0).floor().min(side / 256.0 - 1.0) as i32;
+        (first, last)
+    };
+    let ((x0, x1), (y0, y1)) = (range(part.x, mx, sides[0]), range(part.y, my, sides[1]));
+    let depth = part.depth + bound(3, part.depth.abs());
+    ClippedBox::Inside(SampleRect { x0, y0, x1, y1 }, (depth as f32).next_up())
+}
+
+/// Signed distance from a plane of the frustum, at least 0 inside: near, left, right, top, bottom.
+fn distance(p: &Point, plane: usize, sides: [f64; 2]) -> f64 {
+    match plane {
+        0 => p[4],
+        1 => p[0] + AROUND * p[2],
+        2 => (sides[0] + AROUND) * p[2] - p[0],
+        3 => p[1] + AROUND * p[2],
+        _ => (sides[1] + AROUND) * p[2] - p[1],
+    }
+}
+
+/// Four corners, and one more for each of five planes.
+struct Outline {
+    points: [Point; 9],
+    len: usize,
+}
+
+impl Outline {
+    fn clipped(&self, distance: impl Fn(&Point) -> f64) -> Outline {
+        let mut out = Outline { points: self.points, len: 0 };
+        let mut push = |p: Point| {
+            if out.len < 9 {
+                out.points[out.len] = p;
+                out.len += 1;
+            }
+        };
+        for i in 0..self.len {
+            let (p, q) = (&self.points[i], &self.points[(i + 1) % self.len]);
+            let (dp, dq) = (distance(p), distance(q));
+            if dp >= 0.0 {
+                push(*p);
+            }
+            if (dp < 0.0) != (dq < 0.0) {
+                let t = dp / (dp - dq);
+                push(std::array::from_fn(|c| p[c] + t * (q[c] - p[c])));
+            }
+        }
+        out
+    }
+}
+
+/// Ranges over the clipped faces' corners.
+struct Part {
+    x: [f64; 2],
+    y: [f64; 2],
+    depth: f64,
+    w: f64,
+    least_near: f64,
+}
+
+impl Part {
+    const NONE: Part = Part {
+        x: [f64::INFINITY, f64::NEG_INFINITY],
+        y: [f64::INFINITY, f64::NEG_INFINITY],
+        depth: f64::NEG_INFINITY,
+        w: f64::INFINITY,
+        least_near: f64::INFINITY,
+    };
+
+    fn add(&mut self, p: &Point) {
+        let (x, y) = (p[0] / p[2], p[1] / p[2]);
+        self.x = [self.x[0].min(x), self.x[1].max(x)];
+        self.y = [self.y[0].min(y), self.y[1].max(y)];
+        self.depth = self.depth.max(p[3] / p[2]);
+        self.w = self.w.min(p[2]);
+        self.least_near = self.least_near.min(p[4]);
+    }
+}

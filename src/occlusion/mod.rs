@@ -1,0 +1,29 @@
+//! The occlusion representation: what occluders cover, and how deep.
+//!
+//! Coverage is one bit a sample; the opacity of an 8x8 block is a population count, and averaging blocks gives the
+//! hierarchical occlusion maps ([`Pyramid`], Zhang 1998, chapter 4). Depth is kept beside it, apart: an object is
+//! occluded when its rectangle is covered (overlap test) and it lies behind what covers it (depth test).
+//! [`OcclusionBuffer`] is the face of it, all that an engine needs.
+
+mod boxes;
+mod buffer;
+mod clip_box;
+mod map;
+mod overlap;
+mod progressive;
+mod project;
+mod pyramid;
+mod query;
+mod verdict;
+
+pub(crate) use boxes::{BoxGroup, NEAR};
+pub use boxes::{BoxSet, ProjectedBox, ProjectedBoxes};
+pub use buffer::{BandJob, Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob};
+pub(crate) use map::take;
+pub use overlap::Thresholds;
+pub use progressive::ProgressiveResult;
+pub(crate) use progressive::{OccluderSinkRef, PlacedRows, may_be_seen};
+pub(crate) use project::{BoxView, Edges, project_lanes};
+pub use pyramid::{Level as PyramidLevel, Pyramid};
+pub use query::DepthReading;
+pub use verdict::{Hidden, Verdict, Visible};

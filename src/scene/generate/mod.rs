@@ -1,0 +1,94 @@
+//! Generated scenes: a name, a seed and a number of triangles give the same scene and walk on every machine.
+//!
+//! Integer hashes draw the numbers, `libm` does the trigonometry, and the number of triangles is met by whole objects.
+
+mod city;
+mod solid;
+mod stock;
+mod terrain;
+
+use super::Scene;
+use crate::error::{Error, Result};
+use crate::view::CameraPath;
+
+/// A generated scene with its own walk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Generated {
+    /// The scene, named as the generator.
+    pub scene: Scene,
+    /// The walk through it.
+    pub path: CameraPath,
+    /// How many frames the walk is meant to have.
+    pub frames: usize,
+}
+
+/// What a generator is called and does when nothing is said.
+#[derive(Debug, Clone, Copy)]
+pub struct Generator {
+    /// The name before the colon.
+    pub name: &'static str,
+    /// One line about it.
+    pub about: &'static str,
+    /// Seed by default.
+    pub seed: u64,
+    /// Triangles by default, met exactly.
+    pub triangles: u64,
+    build: fn(u64, u64) -> Generated,
+}
+
+/// Most triangles that a generator makes: some 4 GB of scene.
+const MOST_TRIANGLES: u64 = 100_000_000;
+
+static GENERATORS: [Generator; 2] = [
+    Generator {
+        name: "city",
+        about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
+        seed: 1,
+        triangles: 312_524,
+        build: city::build,
+    },
+    Generator {
+        name: "terrain",
+        about: "rolling open ground with sparse trees, rocks and huts: nothing to cull",
+        seed: 1,
+        triangles: 200_000,
+        build: terrain::build,
+    },
+];
+
+/// All generators.
+pub fn generators() -> &'static [Generator] {
+    &GENERATORS
+}
+
+/// Generates `NAME[:key=value,...]`, such as `city:seed=7,triangles=1000000`. Keys are `seed` (any u64) and `triangles` (2
+/// to 100,000,000; an even number is met exactly, an odd one by one less).
+///
+/// # Errors
+/// [`Error::Parameter`] naming the generator, key or value that is not known, with those that are.
+pub fn parse(text: &str) -> Result<Generated> {
+    let (name, settings) = text.split_once(':').unwrap_or((text, ""));
+    let Some(generator) = GENERATORS.iter().find(|g| g.name == name) else {
+        let names: Vec<&str> = GENERATORS.iter().map(|g| g.name).collect();
+        return Err(Error::parameter("generator", name, format!("is unknown; known are {}", names.join(", "))));
+    };
+    let (mut seed, mut triangles) = (generator.seed, generator.triangles);
+    for setting in settings.split(',').filter(|s| !s.is_empty()) {
+        let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+        let number = value.parse::<u64>();
+        match (key, number) {
+            ("seed", Ok(n)) => seed = n,
+            ("triangles", Ok(n)) if (2..=MOST_TRIANGLES).contains(&n) => triangles = n,
+            ("seed", _) => return Err(Error::parameter("seed", value, "must be a whole number from 0 to 2^64 - 1")),
+            ("triangles", _) => {
+                let reason = format!("must be a whole number from 2 to {MOST_TRIANGLES}");
+                return Err(Error::parameter("triangles", value, reason));
+            }
+            _ => {
+                let reason = format!("is not known to the generator '{name}'; known are seed, triangles");
+                return Err(Error::parameter("key", key, reason));
+            }
+        }
+    }
+    Ok((generator.build)(seed, triangles))
+}

@@ -1,0 +1,41 @@
+//! Scenes: meshes, objects with f64 positions, loaders, generators, subdivision, and the hierarchy over them.
+
+mod benchmark;
+mod generate;
+#[cfg(feature = "bvh")]
+mod hierarchy;
+mod mesh;
+mod model;
+#[cfg(feature = "obj")]
+mod mtl;
+#[cfg(feature = "obj")]
+mod obj;
+#[cfg(feature = "obj")]
+mod obj_scan;
+#[cfg(feature = "obj")]
+mod polygon;
+mod prepared;
+mod random;
+#[cfg(feature = "cli")]
+mod source;
+mod subdivide;
+#[cfg(feature = "bvh")]
+mod wide;
+
+pub use crate::raster::Facing;
+pub use benchmark::{Benchmark, Reference, ReferenceAnswer, load_benchmark, load_reference};
+pub use generate::{Generated, Generator, generators, parse};
+#[cfg(feature = "bvh")]
+pub use hierarchy::{Hierarchy, MAX_DEPTH, Node};
+pub use mesh::Mesh;
+pub use model::{Object, Scene};
+#[cfg(feature = "obj")]
+pub use obj::load_obj;
+pub use prepared::PreparedScene;
+#[cfg(feature = "cli")]
+pub use source::{Loaded, SceneSource, Views, load};
+pub use subdivide::{Subdivision, subdivide};
+#[cfg(feature = "bvh")]
+pub(crate) use wide::Child;
+#[cfg(feature = "bvh")]
+pub use wide::WideHierarchy;

@@ -1,0 +1,13 @@
+//! What a viewer is: a view-projection matrix with an explicit convention, or a camera; and camera paths.
+
+mod camera;
+mod path;
+#[cfg(feature = "cli")]
+mod path_json;
+mod projection;
+
+pub use camera::Camera;
+pub use path::{CameraPath, PathKey};
+#[cfg(feature = "cli")]
+pub use path_json::{PathFile, load_path, load_path_file};
+pub use projection::{ClipSpace, DepthRange, MAX_SIDE, View, Viewport};
