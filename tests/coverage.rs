@@ -351,6 +351,30 @@ fn a_triangle_with_a_corner_just_beyond_the_near_plane_covers_what_f64_says() {
 }
 
 #[test]
+fn a_cut_shorter_than_two_subpixels_takes_nothing_away() {
+    // The first corner is a millionth beyond the near plane; snapped, the edge to its cut has any direction.
+    let lens = Camera {
+        eye: DVec3::ZERO,
+        target: DVec3::new(-0.29918999987941686, 0.45383538975396764, -0.8393561717048483),
+        up: DVec3::Y,
+        fov_y_deg: 31.918217660910727,
+        near: 0.20473621983895174,
+        far: None,
+    };
+    let t = [
+        Vec3::new(-0.373_193_62, -0.214_347_72, -0.226_792_35),
+        Vec3::new(0.085_322_8, 0.270_264_3, -0.091_957_84),
+        Vec3::new(0.120_924_86, 0.354_468_85, -0.741_180_7),
+    ];
+    let view = lens.view(viewport(100, 70)).unwrap();
+    let triangle = from_f32(&Transform::new(&view, DVec3::ZERO), t).unwrap();
+    let mut b = Builder::new();
+    b.triangles(&[t], Facing::Both);
+    let drawn = drawn("one cut triangle", &view, &b.prepared());
+    agrees_with_float("one cut triangle", &drawn, &float_cover(&view, &[triangle], Facing::Both, RIM));
+}
+
+#[test]
 fn a_triangle_beyond_the_guard_band_covers_what_f64_says() {
     // Far corners beside the eye lie a hundred thousand samples from the screen.
     clipped_soup_agrees(9, 1500, |r, lens| {
@@ -381,7 +405,7 @@ fn a_floor_through_the_near_plane_has_no_cracks_and_no_double_hits() {
         let (lens, view) = floor_view(&mut r);
         let n = [1, 4, 12, 40][round % 4];
         let reach = [1.5, 8.0, 4000.0][r.below(3)];
-        let (positions, triangles) = net(&mut r, n, n, (-reach, -reach), (reach, reach), 0.3);
+        let (positions, triangles) = net(&mut r, n, n, (-reach, -reach), (reach, reach), 0.2);
         let positions: Vec<Vec3> = positions.iter().map(|p| Vec3::new(p.x, 0.0, p.y)).collect();
         let transform = Transform::new(&view, DVec3::ZERO);
         let outline = [(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)]

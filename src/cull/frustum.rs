@@ -31,7 +31,7 @@ impl Kernel for CollectInFrustum<'_> {
         let CollectInFrustum { view, tree, project, stack, out } = self;
         while let Some((group, active)) = stack.pop() {
             let boxes = Edges::new(s, view, &tree.groups[group as usize]);
-            let (mut k, inside) = boxes.against_planes(s, view, active);
+            let (mut k, inside) = boxes.against_planes(s, view, active, tree.used(group));
             let links = tree.links(group);
             let (mut objects, mut ids) = (0, [0; 16]);
             while k != 0 {

@@ -165,7 +165,7 @@ fn open_group<S: Simd>(
     front: &mut Front,
 ) {
     let boxes = Edges::new(s, view, &tree.groups[group as usize]);
-    let (k, inside) = boxes.against_planes(s, view, active);
+    let (k, inside) = boxes.against_planes(s, view, active, tree.used(group));
     if k == 0 {
         return;
     }

@@ -132,11 +132,11 @@ impl<S: Simd> Edges<S> {
         s.add_f(s.add_f(square[0], square[1]), square[2])
     }
 
-    /// Plane masking: of the planes in `active` (bits), tests each, and says which lanes do not certainly lie outside,
+    /// Plane masking: of the planes in `active` (bits), tests each, and says which of the `used` lanes do not certainly lie outside,
     /// and for each plane which lie wholly inside it.
     #[inline(always)]
-    pub fn against_planes(&self, s: S, view: &BoxView, active: u8) -> (Mask, [Mask; 6]) {
-        let (mut k, mut inside) = (!0, [!0; 6]);
+    pub fn against_planes(&self, s: S, view: &BoxView, active: u8, used: Mask) -> (Mask, [Mask; 6]) {
+        let (mut k, mut inside) = (used, [!0; 6]);
         for p in 0..6 {
             if active >> p & 1 == 0 {
                 continue;

@@ -50,12 +50,12 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             let l = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
             let id = placement.first_triangle.wrapping_add(numbers[l] as u32);
-            self.draw_clipped(corners.map(|c| usize::from(c[l])), placement.facing, id);
+            self.run_clipped(corners.map(|c| usize::from(c[l])), placement.facing, id);
         }
     }
 
     #[inline(always)]
-    fn draw_clipped(&mut self, corners: [usize; 3], facing: Facing, id: u32) {
+    pub(crate) fn draw_clipped(&mut self, corners: [usize; 3], facing: Facing, id: u32) {
         let Some((mut outline, area)) = clipped_outline(&self.queues.vertices, corners) else { return };
         let mut corners = corners;
         let shown = match facing {

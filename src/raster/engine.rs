@@ -1,7 +1,9 @@
 //! The rasterizer at work: one thread, one band of the screen, one sink.
 
+use std::marker::PhantomData;
+
 use glam::Mat3;
-use homcull_simd::{Simd, prefetch};
+use homcull_simd::{Kernel, Simd, prefetch};
 
 use super::facing::Facing;
 use super::mesh::{Cluster, MeshId, PreparedMeshes};
@@ -59,7 +61,42 @@ pub(crate) struct Engine<'q, S, K> {
     pub cluster_test: bool,
 }
 
+/// Entered as kernels of their own: the code of the rasterizer would otherwise stand in every place that draws.
+struct Small<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, PhantomData<&'a ()>);
+struct Large<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, PhantomData<&'a ()>);
+struct Clipped<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, [usize; 3], Facing, u32, PhantomData<&'a ()>);
+
+impl<'a, S0: Simd, K: Sink<'a>> Kernel for Small<'_, '_, 'a, S0, K> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.0.draw_small();
+    }
+}
+
+impl<'a, S0: Simd, K: Sink<'a>> Kernel for Large<'_, '_, 'a, S0, K> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.0.draw_large();
+    }
+}
+
+impl<'a, S0: Simd, K: Sink<'a>> Kernel for Clipped<'_, '_, 'a, S0, K> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.0.draw_clipped(self.1, self.2, self.3);
+    }
+}
+
 impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
+    /// Draws one triangle that has to be clipped, in a function of its own.
+    #[inline(always)]
+    pub fn run_clipped(&mut self, corners: [usize; 3], facing: Facing, id: u32) {
+        self.simd.vectorize(Clipped(self, corners, facing, id, PhantomData));
+    }
+
     /// Draws all triangles of a mesh; some may stay in the queues until [`Engine::flush`].
     #[inline(always)]
     pub fn draw(&mut self, meshes: &PreparedMeshes, placement: &Placement<'_>) {
@@ -74,11 +111,23 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
     #[inline(always)]
     pub fn flush(&mut self) {
         while self.queues.small.len > 0 {
-            self.draw_small();
+            self.run_small();
         }
         while self.queues.large.len > 0 {
-            self.draw_large();
+            self.run_large();
         }
+    }
+
+    /// Draws the first sixteen small triangles of the queue, in a function of its own.
+    #[inline(always)]
+    pub fn run_small(&mut self) {
+        self.simd.vectorize(Small(self, PhantomData));
+    }
+
+    /// Draws the first sixteen large triangles of the queue, in a function of its own.
+    #[inline(always)]
+    pub fn run_large(&mut self) {
+        self.simd.vectorize(Large(self, PhantomData));
     }
 
     #[inline(always)]

@@ -53,14 +53,14 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
                 self.queues.small.push::<S, false>(s, small, &t);
             }
             if self.queues.small.len >= 16 {
-                self.draw_small();
+                self.run_small();
             }
         }
         let large = if large != 0 { self.large_may_show(large, &t, [sx0, sy0, sx1, sy1]) } else { 0 };
         if large != 0 {
             self.queues.large.push::<S, true>(s, large, &t);
             if self.queues.large.len >= 16 {
-                self.draw_large();
+                self.run_large();
             }
         }
     }

@@ -22,8 +22,9 @@ const OBJECT: u32 = 1 << 31;
 #[derive(Debug, Clone, Default)]
 pub struct WideHierarchy {
     pub(crate) groups: Vec<BoxGroup>,
-    /// The sixteen links of each group.
+    /// The sixteen links of each group, and which of them lead somewhere.
     links: Vec<[u32; 16]>,
+    used: Vec<u16>,
     /// The box around each group.
     pub(crate) bounds: Vec<Aabb>,
     /// Objects without a finite box that has a point: those that are not finite, not those that are empty.
@@ -56,6 +57,7 @@ impl WideHierarchy {
                 bounds = bounds.union(b);
                 out.groups[group as usize].set(lane, b);
                 out.links[group as usize][lane] = link;
+                out.used[group as usize] |= 1 << lane;
             }
             out.bounds[group as usize] = bounds;
         }
@@ -75,6 +77,7 @@ impl WideHierarchy {
     fn push(&mut self) -> u32 {
         self.groups.push(BoxGroup::NONE);
         self.links.push([NOTHING; 16]);
+        self.used.push(0);
         self.bounds.push(Aabb::EMPTY);
         self.groups.len() as u32 - 1
     }
@@ -83,6 +86,12 @@ impl WideHierarchy {
     #[inline(always)]
     pub(crate) fn links(&self, group: u32) -> &[u32; 16] {
         &self.links[group as usize]
+    }
+
+    /// The places of a group that lead somewhere.
+    #[inline(always)]
+    pub(crate) fn used(&self, group: u32) -> u16 {
+        self.used[group as usize]
     }
 
     /// What a link leads to.
