@@ -52,8 +52,7 @@ fn a_city_has_the_same_bits_at_every_level() {
             let mut projected = ProjectedBoxes::new();
             buffer.project(&scene.boxes, scene.origin, &mut projected).unwrap();
             projected.sort();
-            let boxes = projected.boxes().iter().map(|b| (b.id(), b.rect(), b.depth().to_bits())).collect::<Vec<_>>();
-            (boxes, projected.order().to_vec())
+            projected.boxes().iter().map(|b| (b.id(), b.rect(), b.depth().to_bits())).collect::<Vec<_>>()
         });
         let verdicts: Vec<Verdict> = for_levels(&what, |level| {
             let buffer = submitted(level, &view, &scene.meshes, &scene.occluders);
@@ -81,7 +80,8 @@ fn plain_triangles_leave_the_state_of_prepared_ones() {
         let scene = city(&mut r, eye, 40);
         let prepared = PreparedScene::new(&scene).unwrap();
         let view = camera(&mut r, eye.as_dvec3()).view(viewport(130, 97)).unwrap();
-        let placed: Vec<u32> = ids(&prepared).into_iter().filter(|&i| prepared.occluders[i as usize].rotation.is_none()).collect();
+        let placed: Vec<u32> =
+            ids(&prepared).into_iter().filter(|&i| prepared.occluders[i as usize].rotation.is_none()).collect();
         let plain = for_levels("plain", |level| {
             let mut buffer = OcclusionBuffer::with_level(view.viewport(), level, OcclusionSettings::default()).unwrap();
             buffer.begin(&view).unwrap();

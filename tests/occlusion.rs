@@ -53,7 +53,12 @@ fn never_nearer(what: &str, state: &State, drawn: &Drawn) {
         let (x, y) = (at as u32 % drawn.width, at as u32 / drawn.width);
         let (kept, shown) = (f32::from_bits(state.depth[at]), drawn.depth(at));
         assert!(kept <= shown, "{what}: at ({x}, {y}) {kept:e} is kept, but {shown:e} drawn");
-        assert_eq!(kept > 0.0, state.covered[at], "{what}: at ({x}, {y}) depth {kept:e}, covered {}", state.covered[at]);
+        assert_eq!(
+            kept > 0.0,
+            state.covered[at],
+            "{what}: at ({x}, {y}) depth {kept:e}, covered {}",
+            state.covered[at]
+        );
     }
 }
 
@@ -71,7 +76,8 @@ fn what_is_kept_is_never_nearer_than_what_is_drawn_and_covers_the_same_samples()
         }
         never_nearer(&what, &state, &drawn);
         all += state.covered.iter().filter(|&&c| c).count();
-        exact += (0..drawn.items.len()).filter(|&i| state.covered[i] && state.depth[i] == drawn.depth(i).to_bits()).count();
+        exact +=
+            (0..drawn.items.len()).filter(|&i| state.covered[i] && state.depth[i] == drawn.depth(i).to_bits()).count();
     }
     println!("{exact} of {all} covered samples keep exactly the drawn depth");
     assert!(exact * 10 > all, "{exact} of {all}: what is kept is far too far");
@@ -153,7 +159,8 @@ fn the_map_alone_covers_what_the_map_with_depth_covers() {
         let (view, scene) = world(&mut r, round, false);
         let gold = state(Level::Scalar, &view, &scene, &scene.occluders);
         let is = for_levels("coverage alone", |level| {
-            let mut buffer = begun(level, &view, OcclusionSettings { keep_depth: false, ..OcclusionSettings::default() });
+            let mut buffer =
+                begun(level, &view, OcclusionSettings { keep_depth: false, ..OcclusionSettings::default() });
             buffer.submit(&scene.meshes, &scene.occluders).unwrap();
             State::of(&buffer, &view).covered
         });
@@ -213,7 +220,11 @@ fn the_pyramid_counts_the_holes_of_every_level() {
         let what = format!("round {round}");
         let holes = for_levels(&what, |level| {
             let mut buffer = begun(level, &view, OcclusionSettings::default());
-            same(&format!("{what}: nothing drawn"), &pyramid_holes(&mut buffer), &counted_holes(&State::of(&buffer, &view)));
+            same(
+                &format!("{what}: nothing drawn"),
+                &pyramid_holes(&mut buffer),
+                &counted_holes(&State::of(&buffer, &view)),
+            );
             // Step by step: only what changed is computed anew.
             for piece in scene.occluders.chunks(5) {
                 buffer.submit(&scene.meshes, piece).unwrap();
@@ -226,7 +237,8 @@ fn the_pyramid_counts_the_holes_of_every_level() {
         });
         // At once, and with tests that keep it in step.
         let at_once = for_levels(&what, |level| {
-            let settings = OcclusionSettings { thresholds: Thresholds::uniform(0.8).unwrap(), ..OcclusionSettings::default() };
+            let settings =
+                OcclusionSettings { thresholds: Thresholds::uniform(0.8).unwrap(), ..OcclusionSettings::default() };
             let mut buffer = begun(level, &view, settings);
             buffer.submit_in_bands(&scene.meshes, &scene.occluders, 3, |_| {}).unwrap();
             pyramid_holes(&mut buffer)

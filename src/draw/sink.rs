@@ -32,10 +32,12 @@ impl<'a> Sink<'a> for DrawSink<'a> {
     }
 
     #[inline(always)]
-    fn whole<S: Simd>(&mut self, _s: S, _tile: usize, _blocks: Mask, _far: S::F) {}
+    fn whole<S: Simd>(&mut self, _s: S, _tile: usize, _blocks: Mask, floors: S::F, _far: S::F) -> S::F {
+        floors
+    }
 
     #[inline(always)]
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) {
+    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) -> f32 {
         let before = self.cover[tile][block];
         let items = &mut self.items[tile];
         let number = s.splat_i(id as i32);
@@ -54,12 +56,7 @@ impl<'a> Sink<'a> for DrawSink<'a> {
         }
         let covered = before | word;
         self.cover[tile][block] = covered;
-        if covered == !0 && any != 0 {
-            let floor = s.reduce_min_f(least);
-            if floor > self.surface.blocks[tile][block] {
-                self.surface.raise(s, tile, block, floor);
-            }
-        }
+        if covered == !0 && any != 0 { s.reduce_min_f(least) } else { -1.0 }
     }
 }
 
@@ -88,17 +85,19 @@ impl<'a> Sink<'a> for CountSink<'a> {
     }
 
     #[inline(always)]
-    fn whole<S: Simd>(&mut self, _s: S, tile: usize, blocks: Mask, _far: S::F) {
+    fn whole<S: Simd>(&mut self, _s: S, tile: usize, blocks: Mask, floors: S::F, _far: S::F) -> S::F {
         let mut blocks = blocks;
         while blocks != 0 {
             let block = blocks.trailing_zeros() as usize;
             blocks &= blocks - 1;
             self.fragments += u64::from(self.inside(tile, block).count_ones());
         }
+        floors
     }
 
     #[inline(always)]
-    fn samples<S: Simd>(&mut self, _s: S, tile: usize, block: usize, word: u64, _depths: [S::F; 4], _id: u32) {
+    fn samples<S: Simd>(&mut self, _s: S, tile: usize, block: usize, word: u64, _depths: [S::F; 4], _id: u32) -> f32 {
         self.fragments += u64::from((word & self.inside(tile, block)).count_ones());
+        -1.0
     }
 }

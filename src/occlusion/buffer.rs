@@ -464,7 +464,8 @@ impl OcclusionBuffer {
     fn verdict(&self, view: &BoxView, b: &ProjectedBox, bounds: &[Aabb]) -> Verdict {
         if b.tag & NEAR == 0 {
             let verdict = self.verdict_of(b.rect(), b.depth);
-            if verdict.is_hidden() || b.tag & CUT == 0 {
+            // What is seen through a hole stays visible, however it is clipped.
+            if verdict.is_hidden() || b.tag & CUT == 0 || verdict == Verdict::Visible(Visible::Uncovered) {
                 return verdict;
             }
         }
@@ -484,17 +485,25 @@ impl OcclusionBuffer {
     fn hides<S: Simd>(&self, s: S, r: SampleRect, z: f32) -> bool {
         let map = self.map.view();
         if !self.settings.keep_depth {
-            return if self.settings.thresholds.is_conservative() {
-                !map.has_hole(r)
-            } else {
-                overlap_test(map, &self.pyramid, &self.settings.thresholds, r)
-            };
+            return !self.is_open(s, r);
         }
         if self.settings.thresholds.is_conservative() {
             return map.hides(s, r, z, self.settings.depth);
         }
         overlap_test(map, &self.pyramid, &self.settings.thresholds, r)
             && map.covered_is_nearer(s, r, z, self.settings.depth)
+    }
+}
+
+impl OcclusionBuffer {
+    /// True when the overlap test fails.
+    #[inline(always)]
+    fn is_open<S: Simd>(&self, s: S, r: SampleRect) -> bool {
+        if self.settings.thresholds.is_conservative() {
+            self.map.view().is_open(s, r)
+        } else {
+            !overlap_test(self.map.view(), &self.pyramid, &self.settings.thresholds, r)
+        }
     }
 }
 
@@ -520,13 +529,7 @@ impl Kernel for TestRect<'_> {
         if buffer.hides(s, r, z) {
             return Verdict::Hidden(Hidden::OverlapAndDepth);
         }
-        let map = buffer.map.view();
-        let covered = if buffer.settings.thresholds.is_conservative() {
-            !map.has_hole(r)
-        } else {
-            overlap_test(map, &buffer.pyramid, &buffer.settings.thresholds, r)
-        };
-        Verdict::Visible(if covered { Visible::InFront } else { Visible::Uncovered })
+        Verdict::Visible(if buffer.is_open(s, r) { Visible::Uncovered } else { Visible::InFront })
     }
 }
 
@@ -548,7 +551,8 @@ impl Kernel for TestMany<'_> {
         let hides = |r: SampleRect, z: f32| if r.is_empty() { empty_is_hidden } else { buffer.hides(s, r, z) };
         for b in boxes {
             let mut is_hidden = b.tag & NEAR == 0 && hides(b.rect(), b.depth);
-            if !is_hidden && b.tag & (NEAR | CUT) != 0 {
+            let cut = |b: &ProjectedBox| b.tag & CUT != 0 && !b.rect().is_empty() && !buffer.is_open(s, b.rect());
+            if !is_hidden && (b.tag & NEAR != 0 || cut(b)) {
                 is_hidden = match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
                     None | Some(ClippedBox::Near) => false,
                     Some(ClippedBox::Outside) => true,

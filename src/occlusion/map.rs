@@ -194,14 +194,13 @@ impl<'a> Sink<'a> for OccluderSink<'a> {
     }
 
     #[inline(always)]
-    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, far: S::F) {
+    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, far: S::F) -> S::F {
         self.dirty[tile] = true;
-        let floors = s.blend_f(blocks, s.load_f(&self.surface.blocks[tile]), far);
-        self.surface.set_blocks(s, tile, floors);
+        s.blend_f(blocks, floors, far)
     }
 
     #[inline(always)]
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], _id: u32) {
+    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], _id: u32) -> f32 {
         self.dirty[tile] = true;
         let before = self.cover[tile][block];
         let kept: Mask = if before == 0 { 0 } else { !0 };
@@ -216,12 +215,7 @@ impl<'a> Sink<'a> for OccluderSink<'a> {
         }
         let covered = before | word;
         self.cover[tile][block] = covered;
-        if covered == !0 {
-            let floor = s.reduce_min_f(least);
-            if floor > self.surface.blocks[tile][block] {
-                self.surface.raise(s, tile, block, floor);
-            }
-        }
+        if covered == !0 { s.reduce_min_f(least) } else { -1.0 }
     }
 }
 
@@ -237,17 +231,15 @@ impl<'a> Sink<'a> for CoverageSink<'a> {
     }
 
     #[inline(always)]
-    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, _far: S::F) {
-        self.0.whole(s, tile, blocks, s.splat_f(f32::INFINITY));
+    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, _far: S::F) -> S::F {
+        self.0.whole(s, tile, blocks, floors, s.splat_f(f32::INFINITY))
     }
 
     #[inline(always)]
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, _depths: [S::F; 4], _id: u32) {
+    fn samples<S: Simd>(&mut self, _s: S, tile: usize, block: usize, word: u64, _depths: [S::F; 4], _id: u32) -> f32 {
         self.0.dirty[tile] = true;
         let covered = self.0.cover[tile][block] | word;
         self.0.cover[tile][block] = covered;
-        if covered == !0 {
-            self.0.surface.raise(s, tile, block, f32::INFINITY);
-        }
+        if covered == !0 { f32::INFINITY } else { -1.0 }
     }
 }

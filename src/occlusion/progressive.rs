@@ -15,7 +15,7 @@ use super::map::OccluderSink;
 use super::project::BoxView;
 use super::query::DepthReading;
 use crate::geometry::{Aabb, SampleRect};
-use crate::raster::{Engine, ObjectRows, Queues, RasterCounts, Sink, prefetch_mesh};
+use crate::raster::{Engine, ObjectRows, Queues, RasterCounts, Sink};
 use crate::view::View;
 
 /// What a progressive pass found.
@@ -72,13 +72,7 @@ impl Kernel for RunBand<'_, '_> {
             cluster_test: p.cluster_test,
         };
         let mut placed = PlacedRows::new(p.view);
-        let boxes = &p.boxes.boxes[..];
-        for (index, b) in boxes.iter().enumerate() {
-            for (distance, stage) in [(12, 2), (8, 1), (4, 0)] {
-                if let Some(o) = boxes.get(index + distance).and_then(|b| p.world.occluders.get(b.id() as usize)) {
-                    prefetch_mesh(p.world.meshes, o.mesh, stage);
-                }
-            }
+        for (index, b) in p.boxes.boxes.iter().enumerate() {
             if !may_be_seen(s, &engine.sink.0.view(), p.box_view, b, p.world.bounds, p.reading) {
                 continue;
             }
@@ -110,7 +104,7 @@ pub(crate) fn may_be_seen<S: Simd>(
         if r.is_empty() || map.hides(s, r, b.depth, reading) {
             return false;
         }
-        if b.tag & CUT == 0 {
+        if b.tag & CUT == 0 || map.is_open(s, r) {
             return true;
         }
     }
@@ -135,12 +129,12 @@ impl<'a> Sink<'a> for OccluderSinkRef<'_, 'a> {
         self.0.surface()
     }
     #[inline(always)]
-    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: homcull_simd::Mask, far: S::F) {
-        self.0.whole(s, tile, blocks, far);
+    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: homcull_simd::Mask, floors: S::F, far: S::F) -> S::F {
+        self.0.whole(s, tile, blocks, floors, far)
     }
     #[inline(always)]
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) {
-        self.0.samples(s, tile, block, word, depths, id);
+    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) -> f32 {
+        self.0.samples(s, tile, block, word, depths, id)
     }
 }
 

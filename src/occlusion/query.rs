@@ -135,13 +135,9 @@ impl MapView<'_> {
         true
     }
 
-    /// True when a sample of the rectangle is not covered.
-    pub fn has_hole(&self, r: SampleRect) -> bool {
-        (r.y0 >> 3..=r.y1 >> 3).any(|by| {
-            (r.x0 >> 3..=r.x1 >> 3).any(|bx| {
-                let (tile, block) = (self.tile(bx >> 2, by >> 2), ((by & 3) * 4 + (bx & 3)) as usize);
-                rect_word(r, bx, by) & !self.word(tile, block) != 0
-            })
-        })
+    /// True when a sample of the rectangle (not empty, inside the band) is not covered: every covered one is nearer than 0.
+    #[inline(always)]
+    pub fn is_open<S: Simd>(&self, s: S, r: SampleRect) -> bool {
+        !self.hides(s, r, 0.0, DepthReading::PerSample)
     }
 }

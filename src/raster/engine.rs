@@ -209,9 +209,9 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
         s.or_i(s.shl_i::<4>(tile), within)
     }
 
-    /// Hands a block to the sink, without the samples at or beyond the far plane: their depth is not above 0.
+    /// Hands a block to the sink and gives what it gives, without the samples at or beyond the far plane: their depth is not above 0.
     #[inline(always)]
-    pub fn emit(&mut self, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32, far: f32) {
+    pub fn emit(&mut self, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32, far: f32) -> f32 {
         let s = self.simd;
         let mut word = word;
         if far <= 0.0 {
@@ -221,9 +221,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             }
             word &= before;
         }
-        if word != 0 {
-            self.sink.samples(s, tile, block, word, depths, id);
-        }
+        if word == 0 { -1.0 } else { self.sink.samples(s, tile, block, word, depths, id) }
     }
 }
 

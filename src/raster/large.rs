@@ -123,7 +123,8 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             s.store_i(e, &mut corner[q]);
         }
         let tile = self.sink.surface().tile(tx, ty);
-        let floors = s.load_f(&self.sink.surface().blocks[tile]);
+        let mut floors = s.load_f(&self.sink.surface().blocks[tile]);
+        let mut raised = 0;
         let z = depths.tile(s, tx, ty);
         let (far, near) = depths.range(s, z);
         let mut partial =
@@ -131,12 +132,10 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
         if !K::EXACT {
             let whole = touched & inside & shows::<S, false>(s, far, floors);
             if whole != 0 {
-                self.sink.whole(s, tile, whole, far);
+                floors = self.sink.whole(s, tile, whole, floors, far);
+                raised = whole;
             }
             partial &= !inside;
-        }
-        if partial == 0 {
-            return;
         }
         let mut firsts = [0.0; 16];
         s.store_f(z, &mut firsts);
@@ -145,8 +144,15 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             partial &= partial - 1;
             let word = if inside >> l & 1 != 0 { !0 } else { steps.word(s, &corner, l) };
             if word != 0 {
-                self.emit(tile, l, word, depths.block(s, firsts[l]), t.id, t.plane.far);
+                let floor = self.emit(tile, l, word, depths.block(s, firsts[l]), t.id, t.plane.far);
+                if floor > 0.0 {
+                    floors = s.blend_f(1 << l, floors, s.max_f(floors, s.splat_f(floor)));
+                    raised |= 1 << l;
+                }
             }
+        }
+        if raised != 0 {
+            self.sink.surface().set_blocks(s, tile, floors);
         }
     }
 }

@@ -43,12 +43,13 @@ impl Surface<'_> {
         self.tiles[at] = floor;
     }
 
-    /// Raises the floor of one block.
+    /// Raises the floor of one block, if `floor` is above it.
     #[inline(always)]
     pub fn raise<S: Simd>(&mut self, s: S, tile: usize, block: usize, floor: f32) {
-        self.blocks[tile][block] = floor;
-        let floors = s.load_f(&self.blocks[tile]);
-        self.set_tile(tile, s.reduce_min_f(floors));
+        if floor > self.blocks[tile][block] {
+            let floors = s.load_f(&self.blocks[tile]);
+            self.set_blocks(s, tile, s.blend_f(1 << block, floors, s.splat_f(floor)));
+        }
     }
 
     /// True when something at depth `z` may show in a rectangle of blocks of the band. `TIES`: also at equal depth.
@@ -112,9 +113,11 @@ pub(crate) trait Sink<'a> {
 
     fn surface(&mut self) -> &mut Surface<'a>;
 
-    /// Blocks of one tile, each wholly covered with the given farthest depths, all in front of the floor. Not called on `EXACT` sinks.
-    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, far: S::F);
+    /// Blocks of one tile, each wholly covered with the given farthest depths, all in front of their floors. Gives the floors
+    /// as they are now; the caller stores them. Not called on `EXACT` sinks.
+    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, far: S::F) -> S::F;
 
-    /// One block, covered where `word` has bits, with the depths of its 64 samples, two rows a vector.
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32);
+    /// One block, covered where `word` has bits, with the depths of its 64 samples, two rows a vector. Gives the
+    /// farthest effective depth of the block if all of it is covered now, else something below 0; the caller raises the floor.
+    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) -> f32;
 }

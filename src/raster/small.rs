@@ -84,7 +84,8 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
                 let word = t.word(s, l, place);
                 if word != 0 {
                     let (tile, block) = self.place(t, l, place);
-                    self.sink.samples(s, tile, block, word, depth, 0);
+                    let floor = self.sink.samples(s, tile, block, word, depth, 0);
+                    self.sink.surface().raise(s, tile, block, floor);
                 }
             }
         }
@@ -120,7 +121,8 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
                     let mut first = [0.0; 16];
                     s.store_f(depths.tile(s, tile_x, tile_y), &mut first);
                     let z = depths.block(s, first[block]);
-                    self.emit(tile, block, word, z, id[l] as u32, t.far[l]);
+                    let floor = self.emit(tile, block, word, z, id[l] as u32, t.far[l]);
+                    self.sink.surface().raise(s, tile, block, floor);
                 }
             }
         }
