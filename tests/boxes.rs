@@ -528,8 +528,15 @@ fn progressive_culling_without_known_samples_keeps_boxes_between_samples() {
 }
 
 #[test]
-fn progressive_culling_on_the_map_alone_tests_overlap_alone() {
-    progressive_keeps_to(12, &OcclusionSettings { keep_depth: false, ..OcclusionSettings::default() });
+fn progressive_culling_on_the_map_alone_is_refused() {
+    let mut r = Random::new(12);
+    let (view, scene) = world(&mut r, 0, 20);
+    let mut buffer =
+        begun(Level::Scalar, &view, OcclusionSettings { keep_depth: false, ..OcclusionSettings::default() });
+    let world =
+        Occluders { meshes: &scene.meshes, occluders: &scene.occluders, bounds: &scene.bounds, origin: scene.origin };
+    let result = buffer.progressive(&ProjectedBoxes::new(), &world, &mut Vec::new(), 1, |_| {});
+    assert!(result.unwrap_err().to_string().contains("keep_depth"));
 }
 
 #[test]

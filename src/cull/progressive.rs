@@ -16,7 +16,7 @@ use super::hom::{BYPASS_BATCH, Bypass, HomFrame};
 use super::method::HomParameters;
 use super::vfc::World;
 use crate::occlusion::{
-    BoxView, DepthReading, Edges, NEAR, OccluderSinkRef, PlacedRows, ProjectedBox, ProjectedBoxes, may_be_seen,
+    BoxTest, BoxView, Edges, NEAR, OccluderSinkRef, PlacedRows, ProjectedBox, ProjectedBoxes, may_be_seen,
     project_lanes,
 };
 use crate::raster::{Engine, Queues, RasterCounts};
@@ -27,14 +27,14 @@ use crate::view::View;
 pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
     let HomFrame { buffer, view, boxes, stack, .. } = frame;
     let box_view = world.box_view(view);
-    let reading = buffer.settings().depth;
+    let test = buffer.box_test();
     let cluster_test = buffer.settings().cluster_test;
     let (level, mut sink, queues, counts) = buffer.parts();
     let walk = Walk {
         world,
         view,
         box_view: &box_view,
-        reading,
+        test,
         cluster_test,
         bypass_after: parameters.bypass_after,
         sink: OccluderSinkRef(&mut sink),
@@ -50,7 +50,7 @@ struct Walk<'a, 'w, 'r, 's> {
     world: &'a World<'w>,
     view: &'a View,
     box_view: &'a BoxView,
-    reading: DepthReading,
+    test: BoxTest,
     cluster_test: bool,
     bypass_after: u32,
     sink: OccluderSinkRef<'r, 's>,
@@ -92,8 +92,7 @@ impl Kernel for Walk<'_, '_, '_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> VisibleSet {
-        let Walk { world, view, box_view, reading, cluster_test, bypass_after, sink, queues, counts, rest, stack } =
-            self;
+        let Walk { world, view, box_view, test, cluster_test, bypass_after, sink, queues, counts, rest, stack } = self;
         let (scene, tree) = (world.scene, &world.tree);
         let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test };
         let mut placed = PlacedRows::new(view);
@@ -111,14 +110,14 @@ impl Kernel for Walk<'_, '_, '_, '_> {
             match waiting.group {
                 Some((group, active)) => {
                     let bounds = std::slice::from_ref(&tree.bounds[group as usize]);
-                    if may_be_seen(s, &map, box_view, &b.renumbered(0), bounds, reading) {
+                    if may_be_seen(s, &map, box_view, &b.renumbered(0), bounds, test) {
                         open_group(s, box_view, tree, group, active, &mut children, &mut front);
                     } else {
                         bypass.saw(true);
                     }
                 }
                 None => {
-                    let seen = may_be_seen(s, &map, box_view, &b, &scene.bounds, reading);
+                    let seen = may_be_seen(s, &map, box_view, &b, &scene.bounds, test);
                     bypass.saw(!seen);
                     objects_tested += 1;
                     if seen {

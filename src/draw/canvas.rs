@@ -352,30 +352,49 @@ fn clear(sink: &mut DrawSink<'_>) {
     }
 }
 
-/// Colours of the band's samples from the triangles they show.
+/// Colours of the band's samples from the triangles they show. A block that shows one triangle alone, as most of a wall
+/// does, is looked up once.
 #[inline(always)]
 fn shade<S: Simd>(s: S, sink: &DrawSink<'_>, colors: &[i32], image: &mut [i32]) {
     let band = sink.surface.band;
     let (width, rows) = (band.grid.width() as usize, (band.last_row() - band.first_row() + 1) as usize);
-    let background = s.splat_i(BACKGROUND);
     for by in 0..rows.div_ceil(8) {
         for bx in 0..band.grid.blocks_x() {
             let (tile, block) = (by / 4 * band.grid.tiles_x() + bx / 4, by % 4 * 4 + bx % 4);
-            let padding = band.grid.padding(bx, by + band.tile_y0 * 4);
+            let (columns, lines) = ((width - 8 * bx).min(8), (rows - 8 * by).min(8));
+            let at_edge = columns < 8 || lines < 8;
+            let padding = if at_edge { band.grid.padding(bx, by + band.tile_y0 * 4) } else { 0 };
             let drawn = sink.cover[tile][block] & !padding;
-            let columns = (width - 8 * bx).min(8);
-            for i in 0..4 {
-                let mut colored = [0; 16];
-                let item = s.load_i(&sink.items[tile].item[block][i]);
-                s.store_i(s.gather_i((drawn >> (16 * i)) as Mask, colors, item, background), &mut colored);
-                for half in 0..2 {
-                    let y = 8 * by + 2 * i + half;
-                    if y < rows {
-                        let at = y * width + 8 * bx;
-                        image[at..at + columns].copy_from_slice(&colored[8 * half..8 * half + columns]);
-                    }
+            let mut colored = [[0; 16]; 4];
+            shade_block(s, &sink.items[tile].item[block], drawn, colors, &mut colored);
+            let pixels = colored.as_flattened();
+            for line in 0..lines {
+                let (from, to) = (8 * line, (8 * by + line) * width + 8 * bx);
+                if columns == 8 {
+                    image[to..to + 8].copy_from_slice(&pixels[from..from + 8]);
+                } else {
+                    image[to..to + columns].copy_from_slice(&pixels[from..from + columns]);
                 }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn shade_block<S: Simd>(s: S, items: &[[i32; 16]; 4], drawn: u64, colors: &[i32], out: &mut [[i32; 16]; 4]) {
+    let first = items[0][0];
+    let mut same = drawn == !0;
+    if same {
+        for row in items {
+            same &= s.eq_i(s.load_i(row), s.splat_i(first)) == !0;
+        }
+    }
+    for i in 0..4 {
+        let color = if same {
+            s.splat_i(colors[first as usize])
+        } else {
+            s.gather_i((drawn >> (16 * i)) as Mask, colors, s.load_i(&items[i]), s.splat_i(BACKGROUND))
+        };
+        s.store_i(color, &mut out[i]);
     }
 }

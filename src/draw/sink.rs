@@ -1,6 +1,6 @@
 //! The sink of the final draw: depth and triangle number of every sample.
 
-use homcull_simd::{Mask, Simd};
+use homcull_simd::{Mask, Simd, prefetch};
 
 use crate::raster::{Sink, Surface};
 
@@ -29,6 +29,15 @@ impl<'a> Sink<'a> for DrawSink<'a> {
     #[inline(always)]
     fn surface(&mut self) -> &mut Surface<'a> {
         &mut self.surface
+    }
+
+    #[inline(always)]
+    fn expect(&self, tile: usize, block: usize) {
+        let items = &self.items[tile];
+        for (depth, item) in items.depth[block].iter().zip(&items.item[block]) {
+            prefetch(depth, 0);
+            prefetch(item, 0);
+        }
     }
 
     #[inline(always)]
@@ -83,6 +92,9 @@ impl<'a> Sink<'a> for CountSink<'a> {
     fn surface(&mut self) -> &mut Surface<'a> {
         &mut self.surface
     }
+
+    #[inline(always)]
+    fn expect(&self, _tile: usize, _block: usize) {}
 
     #[inline(always)]
     fn whole<S: Simd>(&mut self, _s: S, tile: usize, blocks: Mask, floors: S::F, _far: S::F) -> S::F {

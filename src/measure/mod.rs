@@ -19,6 +19,8 @@ mod plot_labels;
 pub mod report;
 pub mod report_number;
 pub mod report_target;
+#[cfg(feature = "bvh")]
+pub mod stability;
 pub mod statistics;
 pub mod table;
 #[cfg(feature = "cli")]

@@ -7,7 +7,7 @@ use super::boxes::{BoxSet, CUT, NEAR, ProjectedBox, ProjectedBoxes};
 use super::clip_box::{ClippedBox, clip_box};
 use super::map::{CoverageSink, MapView, OccluderSink, OcclusionMap};
 use super::overlap::{Thresholds, overlap_test};
-use super::progressive::{BandPass, Pass, PlacedRows, ProgressiveResult};
+use super::progressive::{BandPass, BoxTest, Pass, PlacedRows, ProgressiveResult};
 use super::project::{BoxView, Project, ProjectOne};
 use super::pyramid::Pyramid;
 use super::query::DepthReading;
@@ -135,6 +135,7 @@ impl OcclusionBuffer {
 
     /// How it tests. A change holds from the next test on.
     pub fn settings_mut(&mut self) -> &mut OcclusionSettings {
+        self.update_pyramid();
         &mut self.settings
     }
 
@@ -154,6 +155,7 @@ impl OcclusionBuffer {
         self.view = Some(*view);
         self.map.clear();
         self.counts = RasterCounts::default();
+        self.settle();
         Ok(())
     }
 
@@ -274,6 +276,10 @@ impl OcclusionBuffer {
         (self.level, self.map.sink(), &mut self.queues[0], &mut self.counts)
     }
 
+    pub(crate) fn box_test(&self) -> BoxTest {
+        BoxTest { reading: self.settings.depth, no_sample_is_hidden: self.settings.no_sample_is_hidden }
+    }
+
     /// How it tests.
     pub fn settings(&self) -> &OcclusionSettings {
         &self.settings
@@ -356,7 +362,8 @@ impl OcclusionBuffer {
     /// [`ProjectedBoxes::boxes`]. `run` gets one job a band; see [`OcclusionBuffer::submit_in_bands`].
     ///
     /// # Errors
-    /// [`Error::View`] when no view has begun; [`Error::Parameter`] when thresholds are below 1, for which bands would differ.
+    /// [`Error::View`] when no view has begun; [`Error::Parameter`] when thresholds are below 1, for
+    /// which bands would differ, or when no depth is kept.
     pub fn progressive(
         &mut self,
         boxes: &ProjectedBoxes,
@@ -369,6 +376,9 @@ impl OcclusionBuffer {
         if !self.settings.thresholds.is_conservative() {
             return Err(Error::parameter("threshold", "below 1", "progressive culling in bands needs thresholds at 1"));
         }
+        if !self.settings.keep_depth {
+            return Err(Error::parameter("keep_depth", false, "progressive culling needs depth"));
+        }
         let box_view = self.box_view(&view, world.origin);
         let bands = bands.clamp(1, self.map.grid.tiles_y());
         while self.queues.len() < bands {
@@ -377,8 +387,8 @@ impl OcclusionBuffer {
         let n = boxes.len();
         self.flags.clear();
         self.flags.resize(n * bands, false);
-        let (reading, cluster_test) = (self.settings.depth, self.settings.cluster_test);
-        let pass = Pass { level: self.level, view: &view, box_view: &box_view, boxes, world, reading, cluster_test };
+        let (test, cluster_test) = (self.box_test(), self.settings.cluster_test);
+        let pass = Pass { level: self.level, view: &view, box_view: &box_view, boxes, world, test, cluster_test };
         let flags = self.flags.chunks_mut(n.max(1));
         let mut jobs: Vec<ProgressiveJob<'_>> = (self.map.sinks(bands).zip(&mut self.queues).zip(flags))
             .map(|((sink, queues), visible)| ProgressiveJob {

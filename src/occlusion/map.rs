@@ -5,7 +5,7 @@
 //! samples are covered, their minimum raises the floor too. The *effective* depth of a sample, the larger of the floor and its
 //! own, is a maximum over what was drawn: the same bits in any order, under any early-out, on any number of threads.
 
-use homcull_simd::{Mask, Simd};
+use homcull_simd::{Mask, Simd, prefetch};
 
 use crate::raster::{Band, Grid, Sink, Surface};
 
@@ -194,6 +194,13 @@ impl<'a> Sink<'a> for OccluderSink<'a> {
     }
 
     #[inline(always)]
+    fn expect(&self, tile: usize, block: usize) {
+        for lane in &self.samples[tile].0[block] {
+            prefetch(lane, 0);
+        }
+    }
+
+    #[inline(always)]
     fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, far: S::F) -> S::F {
         self.dirty[tile] = true;
         s.blend_f(blocks, floors, far)
@@ -229,6 +236,9 @@ impl<'a> Sink<'a> for CoverageSink<'a> {
     fn surface(&mut self) -> &mut Surface<'a> {
         &mut self.0.surface
     }
+
+    #[inline(always)]
+    fn expect(&self, _tile: usize, _block: usize) {}
 
     #[inline(always)]
     fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, _far: S::F) -> S::F {

@@ -22,7 +22,7 @@ pub use buffer::{BandJob, Occluder, Occluders, OcclusionBuffer, OcclusionSetting
 pub(crate) use map::take;
 pub use overlap::Thresholds;
 pub use progressive::ProgressiveResult;
-pub(crate) use progressive::{OccluderSinkRef, PlacedRows, may_be_seen};
+pub(crate) use progressive::{BoxTest, OccluderSinkRef, PlacedRows, may_be_seen};
 pub(crate) use project::{BoxView, Edges, project_lanes};
 pub use pyramid::{Level as PyramidLevel, Pyramid};
 pub use query::DepthReading;

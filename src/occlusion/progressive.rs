@@ -35,7 +35,7 @@ pub(crate) struct Pass<'a> {
     pub box_view: &'a BoxView,
     pub boxes: &'a ProjectedBoxes,
     pub world: &'a Occluders<'a>,
-    pub reading: DepthReading,
+    pub test: BoxTest,
     pub cluster_test: bool,
 }
 
@@ -73,7 +73,7 @@ impl Kernel for RunBand<'_, '_> {
         };
         let mut placed = PlacedRows::new(p.view);
         for (index, b) in p.boxes.boxes.iter().enumerate() {
-            if !may_be_seen(s, &engine.sink.0.view(), p.box_view, b, p.world.bounds, p.reading) {
+            if !may_be_seen(s, &engine.sink.0.view(), p.box_view, b, p.world.bounds, p.test) {
                 continue;
             }
             visible[index] = true;
@@ -87,6 +87,13 @@ impl Kernel for RunBand<'_, '_> {
     }
 }
 
+/// How a box is tested at thresholds of 1.
+#[derive(Clone, Copy)]
+pub(crate) struct BoxTest {
+    pub reading: DepthReading,
+    pub no_sample_is_hidden: bool,
+}
+
 /// The test of one projected box against a band: false when its part there is hidden, or it has none.
 #[inline(always)]
 pub(crate) fn may_be_seen<S: Simd>(
@@ -95,13 +102,16 @@ pub(crate) fn may_be_seen<S: Simd>(
     view: &BoxView,
     b: &ProjectedBox,
     bounds: &[Aabb],
-    reading: DepthReading,
+    test: BoxTest,
 ) -> bool {
     let in_band =
         |r: SampleRect| SampleRect { y0: r.y0.max(map.band.first_row()), y1: r.y1.min(map.band.last_row()), ..r };
     if b.tag & NEAR == 0 {
+        if b.rect().is_empty() {
+            return !test.no_sample_is_hidden;
+        }
         let r = in_band(b.rect());
-        if r.is_empty() || map.hides(s, r, b.depth, reading) {
+        if r.is_empty() || map.hides(s, r, b.depth, test.reading) {
             return false;
         }
         if b.tag & CUT == 0 || map.is_open(s, r) {
@@ -112,8 +122,11 @@ pub(crate) fn may_be_seen<S: Simd>(
         None | Some(ClippedBox::Near) => true,
         Some(ClippedBox::Outside) => false,
         Some(ClippedBox::Inside(r, z)) => {
+            if r.is_empty() {
+                return !test.no_sample_is_hidden;
+            }
             let r = in_band(r);
-            !(r.is_empty() || map.hides(s, r, z, reading))
+            !(r.is_empty() || map.hides(s, r, z, test.reading))
         }
     }
 }
@@ -127,6 +140,10 @@ impl<'a> Sink<'a> for OccluderSinkRef<'_, 'a> {
     #[inline(always)]
     fn surface(&mut self) -> &mut crate::raster::Surface<'a> {
         self.0.surface()
+    }
+    #[inline(always)]
+    fn expect(&self, tile: usize, block: usize) {
+        self.0.expect(tile, block);
     }
     #[inline(always)]
     fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: homcull_simd::Mask, floors: S::F, far: S::F) -> S::F {

@@ -135,9 +135,25 @@ impl MapView<'_> {
         true
     }
 
-    /// True when a sample of the rectangle (not empty, inside the band) is not covered: every covered one is nearer than 0.
+    /// True when a sample of the rectangle (not empty, inside the band) is not covered.
     #[inline(always)]
     pub fn is_open<S: Simd>(&self, s: S, r: SampleRect) -> bool {
-        !self.hides(s, r, 0.0, DepthReading::PerSample)
+        let blocks = [r.x0 >> 3, r.y0 >> 3, r.x1 >> 3, r.y1 >> 3];
+        let zero = s.splat_f(0.0);
+        for ty in r.y0 >> 5..=r.y1 >> 5 {
+            for tx in r.x0 >> 5..=r.x1 >> 5 {
+                let tile = self.tile(tx, ty);
+                let mut open = !s.gt_f(s.load_f(&self.floors[tile]), zero) & tile_lanes(blocks, tx, ty);
+                while open != 0 {
+                    let l = open.trailing_zeros() as usize;
+                    open &= open - 1;
+                    let word = rect_word(r, 4 * tx + (l & 3) as i32, 4 * ty + (l >> 2) as i32);
+                    if word & !self.cover[tile][l] != 0 {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 }

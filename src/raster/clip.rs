@@ -1,8 +1,8 @@
 //! Triangles that cross the near plane or the guard band, one by one.
 //!
 //! Clipping is watertight: a new corner is computed from its edge's end points in an order of their own, so that both
-//! triangles at an edge get the same one; corners that need no clipping keep their snapped positions; and what is left is drawn
-//! as one convex polygon, not a fan. The depth stays that of the whole triangle's plane.
+//! triangles at an edge get the same one; corners that need no clipping keep their snapped positions; what is left is drawn
+//! as one convex polygon, not a fan, but where snapping has bent its outline: there corners are cut off first. The depth stays that of the whole triangle's plane.
 
 use std::cmp::Ordering;
 
@@ -13,7 +13,7 @@ use super::engine::{Engine, Placement};
 use super::facing::Facing;
 use super::grid::Grid;
 use super::large::Convex;
-use super::plane::Planes;
+use super::plane::{Plane, Planes};
 use super::queue::Lanes;
 use super::sink::Sink;
 use super::transform::{GUARD, ScreenVertices};
@@ -91,6 +91,17 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
         let s = self.simd;
         let plane = Planes::new(s, &lanes, s.splat_i(sx0), s.splat_i(first_row)).lane(0, near, far);
         let blocks = [sx0 >> 3, sy0 >> 3, sx1 >> 3, sy1 >> 3];
+        loop {
+            let ear = outline.cut_ear();
+            self.draw_outline(ear.as_ref().map_or(&outline, |e| e), plane, blocks, id);
+            if ear.is_none() {
+                break;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn draw_outline(&mut self, outline: &[[i32; 2]], plane: Plane, blocks: [i32; 4], id: u32) {
         let mut convex = Convex::<MOST_CORNERS> {
             a: [0; MOST_CORNERS],
             b: [0; MOST_CORNERS],
@@ -257,6 +268,29 @@ impl Vec2List {
         }
         let at = |i: usize| self.points[i % self.len].map(i64::from);
         (0..self.len).map(|i| (at(i), at(i + 1))).map(|(p, q)| p[0] * q[1] - q[0] * p[1]).sum()
+    }
+}
+
+impl Vec2List {
+    /// Cuts a corner off while the outline (of positive area) is not convex: snapping can bend it where two corners lie a
+    /// subpixel apart, and half planes alone would then lose all beyond the bend.
+    fn cut_ear(&mut self) -> Option<[[i32; 2]; 3]> {
+        let n = self.len;
+        let at = |i: usize| self.points[i % n].map(i64::from);
+        let turn =
+            |p: [i64; 2], q: [i64; 2], r: [i64; 2]| (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0]);
+        if n <= 3 || (0..n).all(|i| turn(at(i), at(i + 1), at(i + 2)) >= 0) {
+            return None;
+        }
+        let ear = (0..n).find(|&i| {
+            let (p, q, r) = (at(i), at(i + 1), at(i + 2));
+            let holds = |v: [i64; 2]| turn(p, q, v) >= 0 && turn(q, r, v) >= 0 && turn(r, p, v) >= 0;
+            turn(p, q, r) > 0 && (i + 3..i + n).all(|k| !holds(at(k)))
+        })?;
+        let cut = [0, 1, 2].map(|k| self.points[(ear + k) % n]);
+        self.points.copy_within((ear + 1) % n + 1..n, (ear + 1) % n);
+        self.len -= 1;
+        Some(cut)
     }
 }
 

@@ -137,6 +137,11 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             }
             partial &= !inside;
         }
+        let mut expected = partial;
+        while expected != 0 {
+            self.sink.expect(tile, expected.trailing_zeros() as usize);
+            expected &= expected - 1;
+        }
         let mut firsts = [0.0; 16];
         s.store_f(z, &mut firsts);
         while partial != 0 {

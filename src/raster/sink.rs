@@ -102,7 +102,7 @@ pub(crate) fn tile_lanes([bx0, by0, bx1, by1]: [i32; 4], tile_x: i32, tile_y: i3
     }
     let columns = (0xF_u32 << c0) & (0xF >> (3 - c1));
     let rows = (0xFFFF_u32 << (4 * r0)) & (0xFFFF >> (4 * (3 - r1)));
-    (columns * 0x1111 & rows) as Mask
+    ((columns * 0x1111) & rows) as Mask
 }
 
 /// What the rasterizer writes to.
@@ -116,6 +116,9 @@ pub(crate) trait Sink<'a> {
     /// Blocks of one tile, each wholly covered with the given farthest depths, all in front of their floors. Gives the floors
     /// as they are now; the caller stores them. Not called on `EXACT` sinks.
     fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: Mask, floors: S::F, far: S::F) -> S::F;
+
+    /// Asks for the memory of a block whose samples will be given soon.
+    fn expect(&self, tile: usize, block: usize);
 
     /// One block, covered where `word` has bits, with the depths of its 64 samples, two rows a vector. Gives the
     /// farthest effective depth of the block if all of it is covered now, else something below 0; the caller raises the floor.

@@ -89,7 +89,8 @@ impl ScreenVertices {
             let inverse = s.div_f(s.splat_f(1.0), w);
             let (px, py) = (s.mul_f(x, inverse), s.mul_f(y, inverse));
             let guard = s.splat_f(GUARD);
-            let inside = s.ge_f(near, s.splat_f(0.0)) & s.gt_f(guard, s.abs_f(px)) & s.gt_f(guard, s.abs_f(py));
+            let reach = s.mul_f(w, guard);
+            let inside = s.ge_f(near, s.splat_f(0.0)) & s.gt_f(reach, s.abs_f(x)) & s.gt_f(reach, s.abs_f(y));
             let at = 16 * g..16 * g + 16;
             if inside != 0xFFFF {
                 self.outcodes(s, g, x, y, w, near);
