@@ -7,7 +7,7 @@
 //! A street runs away from the viewer between two rows of houses, and every house has a yard full of crates behind it. What
 //! is made once is made once ([`Street::new`]); a frame begins a view, projects all boxes, and then either draws chosen occluders
 //! and tests everything against them ([`one_pass`]), or culls progressively ([`progressive`]), where everything seen
-//! occludes what is behind it. Nothing in a frame allocates after the first, apart from what starting threads takes.
+//! occludes what is behind it. All memory of a frame is kept for the next, but for the short lists of jobs.
 
 use glam::{DVec3, Mat3, Vec3};
 use homcull::error::Result;

@@ -42,10 +42,21 @@
 //! assert_eq!(ask(0.0, 20.0)?, Verdict::Hidden(Hidden::OutsideFrustum));
 //!
 //! // What covers the screen, a character a block of 8x8 samples: `#` whole, `+` more than half, `.` less.
-//! let picture = "\
-//! PICTURE\
-//! ";
-//! assert_eq!(buffer.to_ascii(), picture);
+//! let picture = [
+//!     "                        ",
+//!     "           ..           ",
+//!     "         .+##+.         ",
+//!     "        .+####+.        ",
+//!     "       .+######+.       ",
+//!     "       .########.       ",
+//!     "       .########.       ",
+//!     "       .########.       ",
+//!     "       .########.       ",
+//!     "                        ",
+//!     "                        ",
+//!     "                        ",
+//! ];
+//! assert_eq!(buffer.to_ascii().lines().collect::<Vec<_>>(), picture);
 //! # Ok(())
 //! # }
 //! ```
@@ -79,7 +90,8 @@
 //! - **Deterministic.** The same input gives the same verdicts, counts and bits at any SIMD level and on any number of threads.
 //! - **Total.** NaN, infinities, empty meshes, boxes around the eye: each has a typed [`Error`] or a conservative answer. A
 //!   panic is a bug.
-//! - **Quiet.** No global state, no threads of its own, no allocation once the first frame of a size has passed.
+//! - **Quiet.** No global state, no threads of its own. Beginning a view, submitting a list, projecting and testing lists allocate
+//!   nothing once the first frame of a size has passed.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -2,7 +2,9 @@
 //!
 //! One pass draws selected occluders, then tests everything; multi-pass merges what turned out visible whenever enough of
 //! it has gathered (2.1.4); progressive does so object by object (`progressive.rs`). In all of them a **counted bypass** ends
-//! testing for the frame after a number of consecutive tests without a hidden object, so that open views cost next to nothing.
+//! testing for the frame after a number of consecutive tests without a hidden object; and after a frame that hid next to
+//! nothing, culling **rests** for some frames, which are drawn as `vfc` draws them. So open views cost next to nothing, and
+//! since every frame is conservative by itself, resting can't be seen. Both go by counts, never by clocks.
 //! With thresholds at 1 and the display's samples all of them are conservative: the picture stays the same, bit for bit.
 
 use glam::Vec3;
@@ -16,6 +18,10 @@ use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, Pr
 use crate::select::{select_by_distance, select_by_z_plane};
 use crate::view::{View, Viewport};
 use crate::workers::Workers;
+
+/// A frame did not pay if it hid fewer triangles than it drew as occluders, divided by this. Low, so that only views with
+/// next to nothing to hide are left alone.
+const GAIN_OVER_COST: u64 = 4;
 
 /// Tests between two looks at the bypass counter: batches of the input order.
 pub const BYPASS_BATCH: usize = 64;
@@ -31,6 +37,9 @@ pub struct HomFrame {
     chosen: Vec<u32>,
     occluders: Vec<Occluder>,
     hidden: Vec<bool>,
+    /// Frames that culling still rests, and whether it does in this one.
+    rest_left: u32,
+    resting: bool,
 }
 
 impl HomFrame {
@@ -53,7 +62,24 @@ impl HomFrame {
             chosen: Vec::new(),
             occluders: Vec::new(),
             hidden: Vec::new(),
+            rest_left: 0,
+            resting: false,
         })
+    }
+
+    /// Ends a rest: for a teleport, or another scene.
+    pub fn reset(&mut self) {
+        self.rest_left = 0;
+    }
+
+    /// Frames that culling still rests.
+    pub fn rest_left(&self) -> u32 {
+        self.rest_left
+    }
+
+    /// Takes back to where [`HomFrame::rest_left`] was: for drawing a frame again.
+    pub fn set_rest_left(&mut self, frames: u32) {
+        self.rest_left = frames;
     }
 
     /// The boxes in the frustum.
@@ -81,6 +107,11 @@ pub fn select_occluders(
 ) -> Result<HomFrame> {
     let mut frame = frame;
     frame.view = view.resized(frame.viewport(view));
+    frame.resting = frame.rest_left > 0;
+    if frame.resting {
+        world.collect(level, view, false, &mut frame.stack, &mut frame.boxes);
+        return Ok(frame);
+    }
     frame.buffer.begin(&frame.view)?;
     frame.occluders.clear();
     let walks_tree = parameters.update == Update::Always && frame.buffer.settings().thresholds.is_conservative();
@@ -126,7 +157,7 @@ pub fn draw_occluders(world: &World<'_>, workers: &Workers, frame: HomFrame) -> 
     let mut frame = frame;
     frame.buffer.pyramid_deferred = true;
     let meshes = &world.scene.meshes;
-    if frame.occluders.is_empty() {
+    if frame.resting || frame.occluders.is_empty() {
         return Ok(frame);
     }
     if workers.threads() == 1 {
@@ -152,6 +183,10 @@ pub fn build_pyramid(frame: HomFrame) -> HomFrame {
 /// Those of the buffer.
 pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> Result<(VisibleSet, HomFrame)> {
     let mut frame = frame;
+    if frame.resting {
+        frame.rest_left -= 1;
+        return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.boxes) }, frame));
+    }
     let conservative = frame.buffer.settings().thresholds.is_conservative();
     let set = match parameters.update {
         Update::Once => one_pass(world, parameters, &mut frame)?,
@@ -159,6 +194,9 @@ pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> R
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
+    if set.triangles_hidden * GAIN_OVER_COST < frame.buffer.counts().triangles {
+        frame.rest_left = parameters.rest;
+    }
     Ok((set, frame))
 }
 
@@ -199,7 +237,9 @@ fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame)
         for (b, &hidden) in boxes.boxes()[batch].iter().zip(&*hidden) {
             set.triangles_in_frustum += u64::from(world.scene.triangles(b.id()));
             bypass.saw(hidden);
-            if !hidden {
+            if hidden {
+                set.triangles_hidden += u64::from(world.scene.triangles(b.id()));
+            } else {
                 set.objects.push(b.id());
             }
         }
@@ -235,6 +275,7 @@ fn multi_pass(
         let hidden = buffer.test_one_projected(b, &scene.bounds, scene.origin)?.is_hidden();
         bypass.saw(hidden);
         if hidden {
+            set.triangles_hidden += triangles;
             continue;
         }
         set.objects.push(id);

@@ -53,6 +53,8 @@ pub struct HomParameters {
     pub threshold: f64,
     /// Consecutive tests without a hidden object after which testing ends for the frame.
     pub bypass_after: u32,
+    /// Frames that culling rests after one that hid next to nothing; 0 never rests.
+    pub rest: u32,
 }
 
 /// Update size of `hom-multipass`, in triangles.
@@ -62,6 +64,8 @@ pub const DEFAULT_Z_PLANE: f32 = 50.0;
 /// Consecutive tests without a hidden object before the bypass. Well-occluded frames of the benchmark scenes show up to
 /// 250 objects, so it lies above; open terrain has thousands.
 pub const DEFAULT_BYPASS: u32 = 384;
+/// Frames of rest after a frame that hid next to nothing: one frame in sixteen looks again.
+pub const DEFAULT_REST: u32 = 15;
 
 impl HomParameters {
     /// The defaults, for an update mode.
@@ -74,6 +78,7 @@ impl HomParameters {
             resolution: None,
             threshold: 1.0,
             bypass_after: DEFAULT_BYPASS,
+            rest: DEFAULT_REST,
         }
     }
 
@@ -98,7 +103,8 @@ pub struct MethodDescription {
     pub when: &'static str,
 }
 
-const HOM_PARAMETERS: &str = "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384";
+const HOM_PARAMETERS: &str =
+    "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15";
 
 /// All methods.
 pub fn methods() -> &'static [MethodDescription] {
@@ -115,7 +121,8 @@ pub fn methods() -> &'static [MethodDescription] {
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
             parameters: "select=distance|nearest|zplane, occluder-triangles=25000, z=50, update=once|batches|always, and: \
-                         depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384",
+                         depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, \
+                         rest=15",
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
         },
         MethodDescription {
@@ -241,6 +248,10 @@ impl HomParameters {
                 let n = number("a number of tests")?;
                 self.bypass_after = u32::try_from(n).ok().filter(|&n| n > 0).ok_or_else(|| bad("1 to 4294967295"))?;
             }
+            ("rest", _) => {
+                let n = number("a number of frames")?;
+                self.rest = u32::try_from(n).map_err(|_| bad("0 to 4294967295"))?;
+            }
             _ => return Err(unknown()),
         }
         Ok(())
@@ -270,6 +281,7 @@ impl HomParameters {
         }
         out.push(("threshold", self.threshold.to_string()));
         out.push(("bypass", self.bypass_after.to_string()));
+        out.push(("rest", self.rest.to_string()));
         out.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
     }
 }

@@ -22,6 +22,8 @@ pub struct VisibleSet {
     pub in_frustum: u32,
     /// Their triangles.
     pub triangles_in_frustum: u64,
+    /// Triangles of what was found hidden; where a whole node was, of all below it, in the frustum or not.
+    pub triangles_hidden: u64,
     /// Occlusion tests of objects and nodes.
     pub queries: u64,
     /// True when testing was given up for the frame because nothing was hidden.

@@ -114,12 +114,16 @@ impl Kernel for Walk<'_, '_, '_, '_> {
                         open_group(s, box_view, tree, group, active, &mut children, &mut front);
                     } else {
                         bypass.saw(true);
+                        set.triangles_hidden += world.group_triangles[group as usize];
                     }
                 }
                 None => {
                     let seen = may_be_seen(s, &map, box_view, &b, &scene.bounds, test);
                     bypass.saw(!seen);
                     objects_tested += 1;
+                    if !seen {
+                        set.triangles_hidden += u64::from(scene.triangles(b.id()));
+                    }
                     if seen {
                         let occluder = &scene.occluders[b.id() as usize];
                         set.objects.push(b.id());

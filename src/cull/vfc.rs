@@ -15,12 +15,16 @@ pub struct World<'s> {
     pub scene: &'s PreparedScene,
     /// The hierarchy over its objects.
     pub tree: WideHierarchy,
+    /// Triangles below each of its groups.
+    pub(crate) group_triangles: Vec<u64>,
 }
 
 impl<'s> World<'s> {
     /// Builds the hierarchy.
     pub fn new(scene: &'s PreparedScene) -> World<'s> {
-        World { scene, tree: WideHierarchy::new(&scene.bounds) }
+        let tree = WideHierarchy::new(&scene.bounds);
+        let group_triangles = tree.sums(|object| u64::from(scene.triangles(object)));
+        World { scene, tree, group_triangles }
     }
 
     /// The view as the scene's boxes see it.

@@ -157,6 +157,8 @@ struct Runner<'m> {
     canvas: Canvas,
     memory: VfcMemory,
     hom: Option<HomFrame>,
+    /// What the frame before left behind: every repetition begins with it.
+    rest_left: u32,
     frames: Vec<FrameRecord>,
     image_hash: Hash,
     set_hash: Hash,
@@ -173,6 +175,7 @@ impl<'m> Runner<'m> {
             canvas: Canvas::new(view.viewport(), options.level)?,
             memory: VfcMemory::default(),
             hom,
+            rest_left: 0,
             frames: Vec::new(),
             image_hash: Hash::default(),
             set_hash: Hash::default(),
@@ -180,6 +183,7 @@ impl<'m> Runner<'m> {
     }
 
     fn begin_frame(&mut self) {
+        self.rest_left = self.hom.as_ref().map_or(0, HomFrame::rest_left);
         self.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
     }
 
@@ -189,6 +193,9 @@ impl<'m> Runner<'m> {
             Method::Ideal => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
             Method::Vfc | Method::Hom(_) => None,
         };
+        if let Some(hom) = &mut self.hom {
+            hom.set_rest_left(self.rest_left);
+        }
         let mut stages = StageTimes::default();
         let start = Instant::now();
         let set = match self.method {

@@ -82,6 +82,22 @@ impl WideHierarchy {
         self.groups.len() as u32 - 1
     }
 
+    /// The sum of something over the objects below each group.
+    pub(crate) fn sums(&self, of: impl Fn(u32) -> u64) -> Vec<u64> {
+        let mut sums = vec![0; self.groups.len()];
+        // Children come after their parents.
+        for group in (0..self.groups.len()).rev() {
+            let links = self.links[group].iter().filter(|&&link| link != NOTHING);
+            sums[group] = links
+                .map(|&link| match WideHierarchy::child(link) {
+                    Child::Object(id) => of(id),
+                    Child::Group(child) => sums[child as usize],
+                })
+                .sum();
+        }
+        sums
+    }
+
     /// The raw links of a group: what [`WideHierarchy::child`] reads.
     #[inline(always)]
     pub(crate) fn links(&self, group: u32) -> &[u32; 16] {
