@@ -24,7 +24,7 @@ fn json(args: &[&str]) -> Value {
 #[track_caller]
 fn numbers(value: &Value, fields: &[&str]) {
     for field in fields {
-        let found = field.split('.').fold(Some(value), |v, key| v?.get(key));
+        let found = field.split('.').try_fold(value, |v, key| v.get(key));
         assert!(found.is_some_and(Value::is_number), "'{field}' is {found:?} in\n{value:#}");
     }
 }

@@ -8,7 +8,7 @@ use homcull_simd::Level;
 
 use super::setting::Setting;
 use crate::cull::Method;
-use crate::draw::{BACKGROUND, Canvas, DrawJob};
+use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::geometry::Aabb;
 use crate::measure::picture::{GreyImage, Rgb, RgbImage, side_by_side};
@@ -64,11 +64,11 @@ impl<'a> Pictures<'a> {
         let Some(hom) = look.hom else { return Ok(()) };
         let (culled, pyramid) = (file("culled"), file("pyramid"));
         pyramid_picture(hom.buffer.pyramid())?.write_png(&pyramid)?;
-        self.from_above(look.drawn, look.in_frustum, look.view)?.write_png(&culled)
+        self.seen_from_above(look.drawn, look.in_frustum, look.view)?.write_png(&culled)
     }
 
     /// The scene from above: drawn objects in their colours, culled ones in red, those outside the frustum faint.
-    fn from_above(&mut self, drawn: &[u32], in_frustum: &[u32], view: &View) -> Result<RgbImage> {
+    fn seen_from_above(&mut self, drawn: &[u32], in_frustum: &[u32], view: &View) -> Result<RgbImage> {
         let objects: Vec<u32> = (0..self.scene.occluders.len() as u32).collect();
         let canvas = &mut self.overview;
         canvas.draw(&self.overview_view, self.scene, &objects, 1, |jobs| jobs.iter_mut().for_each(DrawJob::run))?;
@@ -158,7 +158,6 @@ fn from_above(extent: Aabb, origin: DVec3, viewport: Viewport) -> Result<View> {
 /// The canvas as a picture.
 pub fn canvas_picture(canvas: &Canvas) -> Result<RgbImage> {
     let bytes = canvas.image().iter().flat_map(|&c| [c as u8, (c >> 8) as u8, (c >> 16) as u8]).collect();
-    debug_assert!(BACKGROUND >= 0);
     RgbImage::from_pixels(canvas.width() as u32, canvas.height() as u32, bytes)
 }
 

@@ -50,7 +50,7 @@ impl HomFrame {
     pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
         let viewport = parameters.resolution.unwrap_or(view.viewport());
         let thresholds = match parameters.threshold {
-            t if t == 1.0 => Thresholds::conservative(),
+            1.0 => Thresholds::conservative(),
             t => Thresholds::uniform(t)?,
         };
         let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };

@@ -34,7 +34,7 @@ pub(crate) fn clip_box(view: &BoxView, b: Aabb) -> ClippedBox {
     let high: [f64; 3] = std::array::from_fn(|i| f64::from(b.max[i]) - f64::from(view.rows.eye[i]));
     let reach: [f64; 3] = std::array::from_fn(|i| low[i].abs().max(high[i].abs()));
     let size = rows.map(|r| (0..3).map(|i| r[i].abs() * reach[i]).sum::<f64>() + r[3].abs());
-    if !size.iter().all(|v| v.is_finite()) {
+    if !b.is_finite() || !size.iter().all(|v| v.is_finite()) {
         return ClippedBox::Near;
     }
     if view

@@ -57,6 +57,7 @@ impl MapView<'_> {
     }
 
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)] // the rectangle, in samples and in blocks, and where it is looked at
     fn tile_hides<S: Simd>(
         &self,
         s: S,

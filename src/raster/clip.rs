@@ -232,8 +232,9 @@ fn intersection(p: &Corner, q: &Corner, distance: impl Fn(&[f64; 5]) -> f64) -> 
     let order = p.clip.iter().zip(&q.clip).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne());
     let (p, q) = if order == Some(Ordering::Greater) { (q, p) } else { (p, q) };
     let (dp, dq) = (distance(&p.clip), distance(&q.clip));
-    let t = dp / (dp - dq);
-    Corner { clip: std::array::from_fn(|i| p.clip[i] + t * (q.clip[i] - p.clip[i])), snapped: None }
+    // Two weights, not one difference: an end 1e30 away would swallow the other.
+    let (s, t) = (dq / (dq - dp), dp / (dp - dq));
+    Corner { clip: std::array::from_fn(|i| p.clip[i] * s + q.clip[i] * t), snapped: None }
 }
 
 /// The nearest subpixel, inside the guard band.

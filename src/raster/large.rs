@@ -36,7 +36,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
         let zero = s.splat_i(0);
         let (rx, ry) = (s.max_i(bounds[0], zero), s.max_i(self.viewport_first_row(&t.y), zero));
         let planes = Planes::new(s, &t, rx, ry);
-        let (a, b, c) = edges(s, &t);
+        let Edges { a, b, c } = edges(s, &t);
         let mut blocks = [[0; 16]; 4];
         for i in 0..4 {
             s.store_i(s.shr_i::<3>(bounds[i]), &mut blocks[i]);
@@ -223,9 +223,15 @@ impl<S: Simd, const N: usize> Steps<S, N> {
     }
 }
 
-/// Edge functions from the first sample of the viewport.
+/// Edge functions of sixteen triangles, from the first sample of the viewport.
+struct Edges {
+    a: [[i32; 16]; 3],
+    b: [[i32; 16]; 3],
+    c: [[f64; 16]; 3],
+}
+
 #[inline(always)]
-fn edges<S: Simd>(s: S, t: &Lanes<S>) -> ([[i32; 16]; 3], [[i32; 16]; 3], [[f64; 16]; 3]) {
+fn edges<S: Simd>(s: S, t: &Lanes<S>) -> Edges {
     let (mut ea, mut eb, mut ec) = ([[0; 16]; 3], [[0; 16]; 3], [[0.0; 16]; 3]);
     let (zero, half) = (s.splat_i(0), s.splat_i(128));
     for q in 0..3 {
@@ -241,5 +247,5 @@ fn edges<S: Simd>(s: S, t: &Lanes<S>) -> ([[i32; 16]; 3], [[i32; 16]; 3], [[f64;
         s.store_i(a, &mut ea[q]);
         s.store_i(b, &mut eb[q]);
     }
-    (ea, eb, ec)
+    Edges { a: ea, b: eb, c: ec }
 }

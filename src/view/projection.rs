@@ -151,6 +151,9 @@ fn screen_rows(m: DMat4, clip_space: ClipSpace, viewport: Viewport) -> Result<[D
     if !m.is_finite() {
         return Err(Error::View("the view-projection matrix has a number that is not finite".into()));
     }
+    if m.determinant() == 0.0 {
+        return Err(Error::View("the view-projection matrix is singular".into()));
+    }
     let (x, y, z, w) = (m.row(0), m.row(1), m.row(2), m.row(3));
     let (kx, ky) = (f64::from(viewport.width) * 128.0, f64::from(viewport.height) * 128.0);
     let y = if clip_space.y_down { -y } else { y };
