@@ -42,14 +42,14 @@ fn boxes(bencher: Bencher<'_, '_>, case: &Case) {
     });
 }
 
-/// Through the hierarchy: the method `hom-progressive`, without the draw.
+/// Through the hierarchy: the method `hom-progressive`, without the draw, and without rests: every frame is culled.
 #[divan::bench(args = on_one_thread())]
 fn hierarchy(bencher: Bencher<'_, '_>, case: &Case) {
     let mut stage = Stage::new(case);
     let count = boxes_in_views(&mut stage);
     let views = &stage.ground.views;
     let world = World::new(&stage.ground.scene);
-    let parameters = HomParameters::new(Update::Always);
+    let parameters = HomParameters { rest: 0, ..HomParameters::new(Update::Always) };
     let mut kept = Some(HomFrame::new(&views[0], case.level, &parameters).expect("a level of this CPU"));
     bencher.counter(count).bench_local(|| {
         for view in views {

@@ -15,7 +15,7 @@ use homcull::view::{View, Viewport};
 use homcull::workers::Workers;
 use homcull_simd::Level;
 
-/// Views of each walk.
+/// Views of each walk, evenly spread, without its ends, which are one where a walk goes around.
 const VIEWS: usize = 6;
 
 /// One row of a bench.
@@ -64,8 +64,8 @@ pub fn ground(name: &str) -> &'static Ground {
     place.get_or_init(|| {
         let generated = parse(name).expect("a generator of this name");
         let viewport = Viewport::new(1280, 1024).expect("a possible size");
-        let cameras = generated.path.sample(VIEWS).expect("a path that can be walked");
-        let views = cameras.iter().map(|c| c.view(viewport).expect("a possible view")).collect();
+        let cameras = generated.path.sample(VIEWS + 2).expect("a path that can be walked");
+        let views = cameras[1..=VIEWS].iter().map(|c| c.view(viewport).expect("a possible view")).collect();
         Ground { scene: PreparedScene::new(&generated.scene).expect("a sound scene"), views }
     })
 }
