@@ -23,6 +23,7 @@ const IMAGES: usize = 3;
 pub fn run(scene: &str, methods: &[String], options: &Options) -> Result<()> {
     let methods = methods.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let out = options.out.as_deref().map(files::folder).transpose()?;
+    files::check_targets(options)?;
     let setting = setting::load(scene, options, false)?;
     let report = walk_setting(&setting, &methods, options, out.as_deref())?;
     print(&report, options)?;
@@ -55,18 +56,19 @@ pub fn walk_setting(
     Ok(report)
 }
 
-/// The table on standard output unless JSON or CSV go there, and the files asked for.
+/// The files asked for, then the table on standard output unless JSON or CSV go there.
 pub fn print(report: &WalkReport, options: &Options) -> Result<()> {
     use crate::measure::report_target::Target;
     let to_stdout = |t: &Option<Target>| matches!(t, Some(Target::Stdout));
-    if !options.quiet && !to_stdout(&options.json) && !to_stdout(&options.csv) {
-        print!("{}", table_walk::walk(report));
-    }
     if let Some(target) = &options.json {
         json::write_json(target, &json::walk(report))?;
     }
     if let Some(target) = &options.csv {
         csv::write_csv(target, report)?;
+    }
+    // Last: a file that cannot be written leaves nothing on standard output.
+    if !options.quiet && !to_stdout(&options.json) && !to_stdout(&options.csv) {
+        print!("{}", table_walk::walk(report));
     }
     Ok(())
 }

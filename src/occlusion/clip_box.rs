@@ -37,10 +37,9 @@ pub(crate) fn clip_box(view: &BoxView, b: Aabb) -> ClippedBox {
     if !b.is_finite() || !size.iter().all(|v| v.is_finite()) {
         return ClippedBox::Near;
     }
-    if view
-        .near_center
-        .is_none_or(|c| (0..3).all(|i| low[i] - reach[i] * 1e-6 <= c[i] && c[i] <= high[i] + reach[i] * 1e-6))
-    {
+    // The middle is about the eye, the box about the eye as rounded to f32: half a step of it apart at most.
+    let slack = |i: usize| reach[i] * 1e-6 + f64::from(view.rows.eye[i]).abs() / 16_777_216.0;
+    if view.near_center.is_none_or(|c| (0..3).all(|i| low[i] - slack(i) <= c[i] && c[i] <= high[i] + slack(i))) {
         return ClippedBox::Near;
     }
     let corner = |n: usize| -> Point {

@@ -108,7 +108,9 @@ fn places() -> Vec<StabilityCase> {
         pictures("two-towns-2e9-apart", "boxes about an origin 1e9 away, where f32 steps by 64", || far_town(2e9)),
         pictures("walls-beside-the-eye-2e9-apart", "boxes wider than what they hold, by the rounding of f32", || {
             let mut s = Shapes::new(15);
+            // The origin of the boxes is then 1e9 away, and their f32 halfway between two numbers at x = 32.
             s.placed(DVec3::X * 2e9, Vec3::ONE);
+            s.placed(DVec3::Z * 50.0, Vec3::ONE);
             // Walls a little to the right and to the left that reach far beyond all that is in view, and a screen ahead: boxes
             // that hold the eye once they are rounded, nearest where they end behind it.
             s.placed(DVec3::new(32.8, 0.0, -480.0), Vec3::new(0.4, 1000.0, 500.0));
