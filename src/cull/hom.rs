@@ -21,7 +21,25 @@ use crate::workers::Workers;
 
 /// A frame did not pay if it hid fewer triangles than it drew as occluders, divided by this. Low, so that only views with
 /// next to nothing to hide are left alone.
-const GAIN_OVER_COST: u64 = 4;
+const GAIN_OVER_COST: u64 = 10;
+
+/// How long culling still rests. The first rest is one frame; as long as frames keep hiding next to nothing, each is twice as
+/// long as the one before, up to the parameter `rest`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Rest {
+    left: u32,
+    in_a_row: u32,
+}
+
+impl Rest {
+    /// After a frame that was culled.
+    fn after(self, paid: bool, longest: u32) -> Rest {
+        if paid {
+            return Rest::default();
+        }
+        Rest { left: longest.min(1 << self.in_a_row.min(30)), in_a_row: self.in_a_row + 1 }
+    }
+}
 
 /// Tests between two looks at the bypass counter: batches of the input order.
 pub const BYPASS_BATCH: usize = 64;
@@ -37,8 +55,8 @@ pub struct HomFrame {
     chosen: Vec<u32>,
     occluders: Vec<Occluder>,
     hidden: Vec<bool>,
-    /// Frames that culling still rests, and whether it does in this one.
-    rest_left: u32,
+    /// How long culling still rests, and whether it does in this frame.
+    rest: Rest,
     resting: bool,
 }
 
@@ -62,24 +80,24 @@ impl HomFrame {
             chosen: Vec::new(),
             occluders: Vec::new(),
             hidden: Vec::new(),
-            rest_left: 0,
+            rest: Rest::default(),
             resting: false,
         })
     }
 
     /// Ends a rest: for a teleport, or another scene.
     pub fn reset(&mut self) {
-        self.rest_left = 0;
+        self.rest = Rest::default();
     }
 
-    /// Frames that culling still rests.
-    pub fn rest_left(&self) -> u32 {
-        self.rest_left
+    /// How long culling still rests.
+    pub fn rest(&self) -> Rest {
+        self.rest
     }
 
-    /// Takes back to where [`HomFrame::rest_left`] was: for drawing a frame again.
-    pub fn set_rest_left(&mut self, frames: u32) {
-        self.rest_left = frames;
+    /// Takes back to where [`HomFrame::rest`] was: for drawing a frame again.
+    pub fn set_rest(&mut self, rest: Rest) {
+        self.rest = rest;
     }
 
     /// The boxes in the frustum.
@@ -107,7 +125,7 @@ pub fn select_occluders(
 ) -> Result<HomFrame> {
     let mut frame = frame;
     frame.view = view.resized(frame.viewport(view));
-    frame.resting = frame.rest_left > 0;
+    frame.resting = frame.rest.left > 0;
     if frame.resting {
         world.collect(level, view, false, &mut frame.stack, &mut frame.boxes);
         return Ok(frame);
@@ -184,7 +202,7 @@ pub fn build_pyramid(frame: HomFrame) -> HomFrame {
 pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> Result<(VisibleSet, HomFrame)> {
     let mut frame = frame;
     if frame.resting {
-        frame.rest_left -= 1;
+        frame.rest.left -= 1;
         return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.boxes) }, frame));
     }
     let conservative = frame.buffer.settings().thresholds.is_conservative();
@@ -194,9 +212,8 @@ pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> R
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
-    if set.triangles_hidden * GAIN_OVER_COST < frame.buffer.counts().triangles {
-        frame.rest_left = parameters.rest;
-    }
+    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= frame.buffer.counts().triangles;
+    frame.rest = frame.rest.after(paid, parameters.rest);
     Ok((set, frame))
 }
 

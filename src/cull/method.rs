@@ -64,7 +64,7 @@ pub const DEFAULT_Z_PLANE: f32 = 50.0;
 /// Consecutive tests without a hidden object before the bypass. Well-occluded frames of the benchmark scenes show up to
 /// 250 objects, so it lies above; open terrain has thousands.
 pub const DEFAULT_BYPASS: u32 = 384;
-/// Frames of rest after a frame that hid next to nothing: one frame in sixteen looks again.
+/// Frames of rest, at most, after frames that hid next to nothing: one frame in sixteen looks again.
 pub const DEFAULT_REST: u32 = 15;
 
 impl HomParameters {

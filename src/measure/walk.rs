@@ -11,7 +11,7 @@ use homcull_simd::Level;
 use super::clock::clock_ghz;
 use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
-use crate::cull::hom::{self, HomFrame};
+use crate::cull::hom::{self, HomFrame, Rest};
 use crate::cull::vfc::{self, VfcMemory, World};
 use crate::cull::{HomParameters, Method, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
@@ -158,7 +158,7 @@ struct Runner<'m> {
     memory: VfcMemory,
     hom: Option<HomFrame>,
     /// What the frame before left behind: every repetition begins with it.
-    rest_left: u32,
+    rest: Rest,
     frames: Vec<FrameRecord>,
     image_hash: Hash,
     set_hash: Hash,
@@ -175,7 +175,7 @@ impl<'m> Runner<'m> {
             canvas: Canvas::new(view.viewport(), options.level)?,
             memory: VfcMemory::default(),
             hom,
-            rest_left: 0,
+            rest: Rest::default(),
             frames: Vec::new(),
             image_hash: Hash::default(),
             set_hash: Hash::default(),
@@ -183,7 +183,7 @@ impl<'m> Runner<'m> {
     }
 
     fn begin_frame(&mut self) {
-        self.rest_left = self.hom.as_ref().map_or(0, HomFrame::rest_left);
+        self.rest = self.hom.as_ref().map_or(Rest::default(), HomFrame::rest);
         self.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
     }
 
@@ -194,7 +194,7 @@ impl<'m> Runner<'m> {
             Method::Vfc | Method::Hom(_) => None,
         };
         if let Some(hom) = &mut self.hom {
-            hom.set_rest_left(self.rest_left);
+            hom.set_rest(self.rest);
         }
         let mut stages = StageTimes::default();
         let start = Instant::now();
