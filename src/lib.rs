@@ -111,3 +111,4 @@ pub mod view;
 pub mod workers;
 
 pub use error::{Error, Result};
+pub use homcull_simd::Level;

@@ -18,9 +18,9 @@ pub use method::{HomParameters, Method, MethodDescription, Selection, Update, me
 pub struct VisibleSet {
     /// Objects to draw, nearest first.
     pub objects: Vec<u32>,
-    /// Objects whose box meets the frustum.
+    /// Objects whose box meets the frustum; 0 where they were not all looked at, as when a walk drops hidden nodes.
     pub in_frustum: u32,
-    /// Their triangles.
+    /// Their triangles, or 0 likewise.
     pub triangles_in_frustum: u64,
     /// Triangles of what was found hidden; where a whole node was, of all below it, in the frustum or not.
     pub triangles_hidden: u64,

@@ -130,6 +130,7 @@ impl ProjectedBox {
     }
 
     /// The same box under another number.
+    #[cfg(feature = "bvh")]
     pub(crate) fn renumbered(&self, id: u32) -> ProjectedBox {
         ProjectedBox { tag: id | self.tag & (NEAR | CUT), ..*self }
     }
@@ -178,6 +179,7 @@ impl ProjectedBoxes {
     }
 
     /// The boxes with the bits of their squared distances.
+    #[cfg(feature = "bvh")]
     pub(crate) fn with_distances(&self) -> impl Iterator<Item = (&ProjectedBox, u32)> {
         self.boxes.iter().zip(self.distances.iter().copied())
     }
@@ -204,6 +206,7 @@ impl ProjectedBoxes {
     }
 
     /// A box of which only the distance is known: it must not be tested.
+    #[cfg(feature = "bvh")]
     pub(crate) fn push_unprojected(&mut self, id: u32, distance: u32) {
         self.push(ProjectedBox::everywhere(id | NEAR), distance);
     }

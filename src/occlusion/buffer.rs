@@ -272,6 +272,7 @@ impl OcclusionBuffer {
     }
 
     /// What a walk needs that draws and tests in turn: the level, the map, the queues, and where counts go.
+    #[cfg(feature = "bvh")]
     pub(crate) fn parts(&mut self) -> (Level, OccluderSink<'_>, &mut Queues, &mut RasterCounts) {
         (self.level, self.map.sink(), &mut self.queues[0], &mut self.counts)
     }

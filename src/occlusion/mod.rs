@@ -16,13 +16,17 @@ mod pyramid;
 mod query;
 mod verdict;
 
+#[cfg(feature = "bvh")]
 pub(crate) use boxes::{BoxGroup, NEAR};
 pub use boxes::{BoxSet, ProjectedBox, ProjectedBoxes};
 pub use buffer::{BandJob, Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob};
 pub(crate) use map::take;
 pub use overlap::Thresholds;
+pub(crate) use progressive::PlacedRows;
 pub use progressive::ProgressiveResult;
-pub(crate) use progressive::{BoxTest, OccluderSinkRef, PlacedRows, may_be_seen};
+#[cfg(feature = "bvh")]
+pub(crate) use progressive::{BoxTest, OccluderSinkRef, may_be_seen};
+#[cfg(feature = "bvh")]
 pub(crate) use project::{BoxView, Edges, project_lanes};
 pub use pyramid::{Level as PyramidLevel, Pyramid};
 pub use query::DepthReading;

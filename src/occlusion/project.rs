@@ -134,6 +134,7 @@ impl<S: Simd> Edges<S> {
 
     /// Plane masking: of the planes in `active` (bits), tests each, and says which of the `used` lanes do not certainly lie outside,
     /// and for each plane which lie wholly inside it.
+    #[cfg(feature = "bvh")]
     #[inline(always)]
     pub fn against_planes(&self, s: S, view: &BoxView, active: u8, used: Mask) -> (Mask, [Mask; 6]) {
         let (mut k, mut inside) = (used, [!0; 6]);

@@ -1,8 +1,8 @@
 //! All other triangles, and clipped polygons: set up sixteen at a time, drawn tile by tile.
 //!
 //! Edge functions are exact in f64 from tile to tile (products of at most 50 bits) and in 32 bits within a tile: a tile's first
-//! value is clamped to +-2^30, beyond which no sample of the tile can change sign while 31 (|a| + |b|) < 2^30 (`SPIKE.md`'s
-//! bound; the guard band sees to it).
+//! value is clamped to +-2^30, beyond which no sample of the tile can change sign while 31 (|a| + |b|) < 2^30, to
+//! which the guard band sees.
 
 use homcull_simd::Simd;
 
