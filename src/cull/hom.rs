@@ -21,7 +21,7 @@ use crate::workers::Workers;
 
 /// A frame did not pay if it hid fewer triangles than it drew as occluders, divided by this. Low, so that only views with
 /// next to nothing to hide are left alone.
-const GAIN_OVER_COST: u64 = 10;
+const GAIN_OVER_COST: u64 = 4;
 
 /// How long culling still rests. The first rest is one frame; as long as frames keep hiding next to nothing, each is twice as
 /// long as the one before, up to the parameter `rest`.
