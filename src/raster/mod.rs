@@ -1,4 +1,4 @@
-//! One tiled rasterizer; what a covered block does is a [`sink`](Sink).
+//! One tiled rasterizer; what a covered block does is a *sink*.
 //!
 //! A frame's way: positions and indices are prepared once into clusters ([`PreparedMeshes`]); an object's clusters are
 //! transformed vertex by vertex (`transform`), its triangles sorted out sixteen at a time (`triangle`): facing, those
