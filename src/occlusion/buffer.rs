@@ -5,18 +5,17 @@ use homcull_simd::{Kernel, Level, Simd};
 
 use super::boxes::{BoxSet, CUT, NEAR, ProjectedBox, ProjectedBoxes};
 use super::clip_box::{ClippedBox, clip_box};
-use super::map::{CoverageSink, MapView, OccluderSink, OcclusionMap};
+use super::map::{MapView, OccluderSink, OcclusionMap};
 use super::overlap::{Thresholds, overlap_test};
-use super::progressive::{BandPass, BoxTest, Pass, PlacedRows, ProgressiveResult};
+use super::progressive::{BandPass, BoxTest, Pass, ProgressiveResult};
 use super::project::{BoxView, Project, ProjectOne};
 use super::pyramid::Pyramid;
 use super::query::DepthReading;
+use super::submit::Submit;
 use super::verdict::{Hidden, Verdict, Visible};
 use crate::error::{Error, Result};
 use crate::geometry::{Aabb, SampleRect};
-use crate::raster::{
-    Engine, Facing, Grid, MeshId, ObjectRows, PreparedMeshes, Queues, RasterCounts, Sink, prefetch_mesh,
-};
+use crate::raster::{Facing, Grid, MeshId, ObjectRows, PreparedMeshes, Queues, RasterCounts};
 use crate::view::{View, Viewport};
 
 /// A prepared mesh placed in the world.
@@ -558,19 +557,33 @@ impl Kernel for TestMany<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let TestMany { buffer, view, boxes, bounds, hidden } = self;
-        let empty_is_hidden = buffer.settings.no_sample_is_hidden;
-        let hides = |r: SampleRect, z: f32| if r.is_empty() { empty_is_hidden } else { buffer.hides(s, r, z) };
         for b in boxes {
-            let mut is_hidden = b.tag & NEAR == 0 && hides(b.rect(), b.depth);
-            let cut = |b: &ProjectedBox| b.tag & CUT != 0 && !b.rect().is_empty() && !buffer.is_open(s, b.rect());
-            if !is_hidden && (b.tag & NEAR != 0 || cut(b)) {
-                is_hidden = match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
-                    None | Some(ClippedBox::Near) => false,
-                    Some(ClippedBox::Outside) => true,
-                    Some(ClippedBox::Inside(r, z)) => hides(r, z),
-                };
+            // At first as it was projected; then, if that may be too near, clipped to the frustum.
+            let (mut r, mut z) = (b.rect(), b.depth);
+            let mut clip = b.tag & NEAR != 0;
+            let mut verdict = false;
+            loop {
+                if clip {
+                    match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
+                        None | Some(ClippedBox::Near) => break,
+                        Some(ClippedBox::Outside) => {
+                            verdict = true;
+                            break;
+                        }
+                        Some(ClippedBox::Inside(rect, depth)) => (r, z) = (rect, depth),
+                    }
+                }
+                if r.is_empty() {
+                    verdict = buffer.settings.no_sample_is_hidden;
+                    break;
+                }
+                verdict = buffer.hides(s, r, z);
+                if clip || verdict || b.tag & CUT == 0 || buffer.is_open(s, r) {
+                    break;
+                }
+                clip = true;
             }
-            hidden.push(is_hidden);
+            hidden.push(verdict);
         }
     }
 }
@@ -609,67 +622,4 @@ impl ProgressiveJob<'_> {
             self.band.run();
         }
     }
-}
-
-/// Draws a list of occluders into one band.
-struct Submit<'a> {
-    view: &'a View,
-    sink: OccluderSink<'a>,
-    queues: &'a mut Queues,
-    meshes: &'a PreparedMeshes,
-    occluders: &'a [Occluder],
-    cluster_test: bool,
-    keep_depth: bool,
-}
-
-impl Kernel for Submit<'_> {
-    type Output = RasterCounts;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> RasterCounts {
-        let Submit { view, sink, queues, meshes, occluders, cluster_test, keep_depth } = self;
-        let counts = RasterCounts::default();
-        if keep_depth {
-            draw_list(Engine { simd: s, sink, queues, counts, cluster_test }, view, meshes, occluders)
-        } else {
-            s.vectorize(SubmitCoverage(Submit { view, sink, queues, meshes, occluders, cluster_test, keep_depth }))
-        }
-    }
-}
-
-/// The same without depth, as a function of its own: it is not worth a copy of the rasterizer in every caller.
-struct SubmitCoverage<'a>(Submit<'a>);
-
-impl Kernel for SubmitCoverage<'_> {
-    type Output = RasterCounts;
-
-    #[inline(always)]
-    fn run<S: Simd>(self, s: S) -> RasterCounts {
-        let Submit { view, sink, queues, meshes, occluders, cluster_test, .. } = self.0;
-        let engine =
-            Engine { simd: s, sink: CoverageSink(sink), queues, counts: RasterCounts::default(), cluster_test };
-        draw_list(engine, view, meshes, occluders)
-    }
-}
-
-#[inline(always)]
-fn draw_list<'a, S: Simd, K: Sink<'a>>(
-    mut engine: Engine<'_, S, K>,
-    view: &View,
-    meshes: &PreparedMeshes,
-    occluders: &[Occluder],
-) -> RasterCounts {
-    let mut placed = PlacedRows::new(view);
-    for (i, occluder) in occluders.iter().enumerate() {
-        for (distance, stage) in [(12, 2), (8, 1), (4, 0)] {
-            if let Some(o) = occluders.get(i + distance) {
-                prefetch_mesh(meshes, o.mesh, stage);
-            }
-        }
-        if occluder.opaque {
-            engine.draw(meshes, &placed.placement(occluder));
-        }
-    }
-    engine.flush();
-    engine.counts
 }

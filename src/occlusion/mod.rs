@@ -14,6 +14,7 @@ mod progressive;
 mod project;
 mod pyramid;
 mod query;
+mod submit;
 mod verdict;
 
 #[cfg(feature = "bvh")]
