@@ -16,8 +16,8 @@ use super::hom::{BYPASS_BATCH, Bypass, HomFrame};
 use super::method::HomParameters;
 use super::vfc::World;
 use crate::occlusion::{
-    BoxTest, BoxView, Edges, NEAR, OccluderSinkRef, PlacedRows, ProjectedBox, ProjectedBoxes, may_be_seen,
-    project_lanes,
+    AtOnce, BoxView, DepthReading, Edges, NEAR, OccluderSinkRef, OcclusionSettings, PlacedRows, ProjectedBox,
+    ProjectedBoxes, project_lanes, test_box,
 };
 use crate::raster::{Engine, Queues, RasterCounts};
 use crate::scene::{Child, WideHierarchy};
@@ -27,14 +27,14 @@ use crate::view::View;
 pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
     let HomFrame { buffer, view, boxes, stack, .. } = frame;
     let box_view = world.box_view(view);
-    let test = buffer.box_test();
-    let cluster_test = buffer.settings().cluster_test;
+    let OcclusionSettings { depth: reading, no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
     let (level, mut sink, queues, counts) = buffer.parts();
     let walk = Walk {
         world,
         view,
         box_view: &box_view,
-        test,
+        reading,
+        no_sample_is_hidden,
         cluster_test,
         bypass_after: parameters.bypass_after,
         sink: OccluderSinkRef(&mut sink),
@@ -50,7 +50,8 @@ struct Walk<'a, 'w, 'r, 's> {
     world: &'a World<'w>,
     view: &'a View,
     box_view: &'a BoxView,
-    test: BoxTest,
+    reading: DepthReading,
+    no_sample_is_hidden: bool,
     cluster_test: bool,
     bypass_after: u32,
     sink: OccluderSinkRef<'r, 's>,
@@ -92,7 +93,8 @@ impl Kernel for Walk<'_, '_, '_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> VisibleSet {
-        let Walk { world, view, box_view, test, cluster_test, bypass_after, sink, queues, counts, rest, stack } = self;
+        let Walk { world, view, box_view, reading, no_sample_is_hidden, cluster_test, bypass_after, .. } = self;
+        let Walk { sink, queues, counts, rest, stack, .. } = self;
         let (scene, tree) = (world.scene, &world.tree);
         let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test };
         let mut placed = PlacedRows::new(view);
@@ -104,27 +106,26 @@ impl Kernel for Walk<'_, '_, '_, '_> {
         let mut children = ProjectedBoxes::new();
         let mut objects_tested = 0;
         while let Some((_, waiting)) = front.pop() {
-            let b = waiting.b;
-            let map = engine.sink.0.view();
+            let (b, group) = (waiting.b, waiting.group);
+            let (asked, bounds) = match group {
+                Some((group, _)) => (b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize])),
+                None => (b, &scene.bounds[..]),
+            };
+            let state = AtOnce { map: engine.sink.0.view(), reading };
+            let hidden: bool = test_box(s, &state, box_view, &asked, bounds, no_sample_is_hidden);
             set.queries += 1;
-            match waiting.group {
-                Some((group, active)) => {
-                    let bounds = std::slice::from_ref(&tree.bounds[group as usize]);
-                    if may_be_seen(s, &map, box_view, &b.renumbered(0), bounds, test) {
-                        open_group(s, box_view, tree, group, active, &mut children, &mut front);
-                    } else {
-                        bypass.saw(true);
-                        set.triangles_hidden += world.group_triangles[group as usize];
-                    }
+            match group {
+                Some((group, _)) if hidden => {
+                    bypass.saw(true);
+                    set.triangles_hidden += world.group_triangles[group as usize];
                 }
+                Some((group, active)) => open_group(s, box_view, tree, group, active, &mut children, &mut front),
                 None => {
-                    let seen = may_be_seen(s, &map, box_view, &b, &scene.bounds, test);
-                    bypass.saw(!seen);
+                    bypass.saw(hidden);
                     objects_tested += 1;
-                    if !seen {
+                    if hidden {
                         set.triangles_hidden += u64::from(scene.triangles(b.id()));
-                    }
-                    if seen {
+                    } else {
                         let occluder = &scene.occluders[b.id() as usize];
                         set.objects.push(b.id());
                         if occluder.opaque {

@@ -8,6 +8,7 @@
 mod boxes;
 mod buffer;
 mod clip_box;
+mod inspect;
 mod map;
 mod overlap;
 mod progressive;
@@ -15,20 +16,24 @@ mod project;
 mod pyramid;
 mod query;
 mod submit;
+mod test;
 mod verdict;
 
 #[cfg(feature = "bvh")]
 pub(crate) use boxes::{BoxGroup, NEAR};
 pub use boxes::{BoxSet, ProjectedBox, ProjectedBoxes};
-pub use buffer::{BandJob, Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob};
+pub use buffer::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings};
 pub(crate) use map::take;
 pub use overlap::Thresholds;
-pub(crate) use progressive::PlacedRows;
-pub use progressive::ProgressiveResult;
 #[cfg(feature = "bvh")]
-pub(crate) use progressive::{BoxTest, OccluderSinkRef, may_be_seen};
+pub(crate) use progressive::OccluderSinkRef;
+pub(crate) use progressive::PlacedRows;
+pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]
 pub(crate) use project::{BoxView, Edges, project_lanes};
 pub use pyramid::{Level as PyramidLevel, Pyramid};
 pub use query::DepthReading;
+pub use submit::BandJob;
+#[cfg(feature = "bvh")]
+pub(crate) use test::{AtOnce, test_box};
 pub use verdict::{Hidden, Verdict, Visible};

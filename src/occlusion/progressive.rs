@@ -8,13 +8,13 @@
 
 use homcull_simd::{Kernel, Level, Simd};
 
-use super::boxes::{CUT, NEAR, ProjectedBox, ProjectedBoxes};
-use super::buffer::{Occluder, Occluders};
-use super::clip_box::{ClippedBox, clip_box};
+use super::boxes::ProjectedBoxes;
+use super::buffer::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings};
 use super::map::OccluderSink;
 use super::project::BoxView;
 use super::query::DepthReading;
-use crate::geometry::{Aabb, SampleRect};
+use super::test::{AtOnce, test_box};
+use crate::error::{Error, Result};
 use crate::raster::{Engine, ObjectRows, Queues, RasterCounts, Sink};
 use crate::view::View;
 
@@ -35,7 +35,8 @@ pub(crate) struct Pass<'a> {
     pub box_view: &'a BoxView,
     pub boxes: &'a ProjectedBoxes,
     pub world: &'a Occluders<'a>,
-    pub test: BoxTest,
+    pub reading: DepthReading,
+    pub no_sample_is_hidden: bool,
     pub cluster_test: bool,
 }
 
@@ -73,7 +74,8 @@ impl Kernel for RunBand<'_, '_> {
         };
         let mut placed = PlacedRows::new(p.view);
         for (index, b) in p.boxes.boxes.iter().enumerate() {
-            if !may_be_seen(s, &engine.sink.0.view(), p.box_view, b, p.world.bounds, p.test) {
+            let state = AtOnce { map: engine.sink.0.view(), reading: p.reading };
+            if test_box(s, &state, p.box_view, b, p.world.bounds, p.no_sample_is_hidden) {
                 continue;
             }
             visible[index] = true;
@@ -84,50 +86,6 @@ impl Kernel for RunBand<'_, '_> {
             }
         }
         *counts += engine.counts;
-    }
-}
-
-/// How a box is tested at thresholds of 1.
-#[derive(Clone, Copy)]
-pub(crate) struct BoxTest {
-    pub reading: DepthReading,
-    pub no_sample_is_hidden: bool,
-}
-
-/// The test of one projected box against a band: false when its part there is hidden, or it has none.
-#[inline(always)]
-pub(crate) fn may_be_seen<S: Simd>(
-    s: S,
-    map: &super::map::MapView<'_>,
-    view: &BoxView,
-    b: &ProjectedBox,
-    bounds: &[Aabb],
-    test: BoxTest,
-) -> bool {
-    let in_band =
-        |r: SampleRect| SampleRect { y0: r.y0.max(map.band.first_row()), y1: r.y1.min(map.band.last_row()), ..r };
-    if b.tag & NEAR == 0 {
-        if b.rect().is_empty() {
-            return !test.no_sample_is_hidden;
-        }
-        let r = in_band(b.rect());
-        if r.is_empty() || map.hides(s, r, b.depth, test.reading) {
-            return false;
-        }
-        if b.tag & CUT == 0 || map.is_open(s, r) {
-            return true;
-        }
-    }
-    match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
-        None | Some(ClippedBox::Near) => true,
-        Some(ClippedBox::Outside) => false,
-        Some(ClippedBox::Inside(r, z)) => {
-            if r.is_empty() {
-                return !test.no_sample_is_hidden;
-            }
-            let r = in_band(r);
-            !(r.is_empty() || map.hides(s, r, z, test.reading))
-        }
     }
 }
 
@@ -179,6 +137,76 @@ impl<'v> PlacedRows<'v> {
             rotation: o.rotation,
             facing: o.facing,
             first_triangle: 0,
+        }
+    }
+}
+
+impl OcclusionBuffer {
+    /// Culls progressively: walks sorted boxes nearest first, draws what is visible, and fills `visible`, by place in
+    /// [`ProjectedBoxes::boxes`]. `run` gets one job a band; see [`OcclusionBuffer::submit_in_bands`].
+    ///
+    /// # Errors
+    /// [`Error::View`] when no view has begun; [`Error::Parameter`] when thresholds are below 1, for
+    /// which bands would differ, or when no depth is kept.
+    pub fn progressive(
+        &mut self,
+        boxes: &ProjectedBoxes,
+        world: &Occluders<'_>,
+        visible: &mut Vec<bool>,
+        bands: usize,
+        run: impl FnOnce(&mut [ProgressiveJob<'_>]),
+    ) -> Result<ProgressiveResult> {
+        let view = *self.begun()?;
+        if !self.settings.thresholds.is_conservative() {
+            return Err(Error::parameter("threshold", "below 1", "progressive culling in bands needs thresholds at 1"));
+        }
+        if !self.settings.keep_depth {
+            return Err(Error::parameter("keep_depth", false, "progressive culling needs depth"));
+        }
+        let box_view = self.box_view(&view, world.origin);
+        let bands = bands.clamp(1, self.map.grid.tiles_y());
+        while self.queues.len() < bands {
+            self.queues.push(Queues::new());
+        }
+        let n = boxes.len();
+        self.flags.clear();
+        self.flags.resize(n * bands, false);
+        let OcclusionSettings { depth: reading, no_sample_is_hidden, cluster_test, .. } = self.settings;
+        let (level, view, box_view) = (self.level, &view, &box_view);
+        let pass = Pass { level, view, box_view, boxes, world, reading, no_sample_is_hidden, cluster_test };
+        let flags = self.flags.chunks_mut(n.max(1));
+        let mut jobs: Vec<ProgressiveJob<'_>> = (self.map.sinks(bands).zip(&mut self.queues).zip(flags))
+            .map(|((sink, queues), visible)| ProgressiveJob {
+                band: BandPass { pass, sink, queues, visible, counts: RasterCounts::default() },
+                done: false,
+            })
+            .collect();
+        run(&mut jobs);
+        let mut counts = RasterCounts::default();
+        for job in &mut jobs {
+            job.run();
+            counts += job.band.counts;
+        }
+        drop(jobs);
+        self.counts += counts;
+        visible.clear();
+        visible.extend((0..n).map(|i| (0..bands).any(|b| self.flags[b * n + i])));
+        let seen = visible.iter().filter(|&&v| v).count() as u32;
+        Ok(ProgressiveResult { visible: seen, hidden: n as u32 - seen })
+    }
+}
+
+/// One band's share of [`OcclusionBuffer::progressive`]. May run on any thread.
+pub struct ProgressiveJob<'a> {
+    band: BandPass<'a>,
+    done: bool,
+}
+
+impl ProgressiveJob<'_> {
+    /// Walks the band. A second call does nothing.
+    pub fn run(&mut self) {
+        if !std::mem::replace(&mut self.done, true) {
+            self.band.run();
         }
     }
 }

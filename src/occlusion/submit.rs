@@ -1,11 +1,13 @@
-//! Drawing a list of occluders into a band of the map, with depth or without.
+//! Drawing lists of occluders into the map, whole or in bands, with depth or without.
 
-use homcull_simd::{Kernel, Simd};
+use glam::{DVec3, Vec3};
+use homcull_simd::{Kernel, Level, Simd};
 
-use super::buffer::Occluder;
+use super::buffer::{Occluder, OcclusionBuffer};
 use super::map::{CoverageSink, OccluderSink};
 use super::progressive::PlacedRows;
-use crate::raster::{Engine, PreparedMeshes, Queues, RasterCounts, Sink, prefetch_mesh};
+use crate::error::Result;
+use crate::raster::{Engine, Facing, PreparedMeshes, Queues, RasterCounts, Sink, prefetch_mesh};
 use crate::view::View;
 
 /// Draws a list of occluders into one band.
@@ -69,4 +71,104 @@ fn draw_list<'a, S: Simd, K: Sink<'a>>(
     }
     engine.flush();
     engine.counts
+}
+
+impl OcclusionBuffer {
+    /// Draws occluders, in a list: small meshes are bound by memory latency, which only a list can hide.
+    ///
+    /// # Errors
+    /// [`Error::View`](crate::Error::View) when no view has begun.
+    pub fn submit(&mut self, meshes: &PreparedMeshes, occluders: &[Occluder]) -> Result<()> {
+        let view = *self.begun()?;
+        let (keep_depth, cluster_test) = (self.settings.keep_depth, self.settings.cluster_test);
+        let submit = Submit {
+            view: &view,
+            sink: self.map.sink(),
+            queues: &mut self.queues[0],
+            meshes,
+            occluders,
+            cluster_test,
+            keep_depth,
+        };
+        self.counts += self.level.run(submit);
+        self.settle();
+        Ok(())
+    }
+
+    /// Draws occluders band by band, as jobs that the caller runs on threads of its own: `run` gets the jobs and must call
+    /// [`BandJob::run`] on each. The bits are those of [`OcclusionBuffer::submit`], whatever the number of bands.
+    ///
+    /// # Errors
+    /// [`Error::View`](crate::Error::View) when no view has begun.
+    pub fn submit_in_bands(
+        &mut self,
+        meshes: &PreparedMeshes,
+        occluders: &[Occluder],
+        bands: usize,
+        run: impl FnOnce(&mut [BandJob<'_>]),
+    ) -> Result<()> {
+        let view = *self.begun()?;
+        let (level, keep_depth, cluster_test) = (self.level, self.settings.keep_depth, self.settings.cluster_test);
+        let bands = bands.clamp(1, self.map.grid.tiles_y());
+        while self.queues.len() < bands {
+            self.queues.push(Queues::new());
+        }
+        let mut jobs: Vec<BandJob<'_>> = (self.map.sinks(bands).zip(&mut self.queues))
+            .map(|(sink, queues)| {
+                let submit = Submit { view: &view, sink, queues, meshes, occluders, cluster_test, keep_depth };
+                BandJob { level, submit: Some(submit), counts: RasterCounts::default() }
+            })
+            .collect();
+        run(&mut jobs);
+        // A job that the caller left out is done here: the state must not depend on it.
+        let counts = jobs.iter_mut().map(BandJob::finish).fold(RasterCounts::default(), |mut a, c| {
+            a += c;
+            a
+        });
+        drop(jobs);
+        self.counts += counts;
+        self.settle();
+        Ok(())
+    }
+
+    /// Draws a mesh that has not been prepared, e.g. one that changes every frame.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`](crate::Error::Mesh) as for [`PreparedMeshes::add`]; [`Error::View`](crate::Error::View) when no view has begun.
+    pub fn submit_triangles(
+        &mut self,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        position: DVec3,
+        facing: Facing,
+    ) -> Result<()> {
+        let mut plain = std::mem::take(&mut self.plain);
+        plain.clear();
+        let done = plain
+            .add_in_order(positions, triangles)
+            .and_then(|mesh| self.submit(&plain, &[Occluder { mesh, position, rotation: None, facing, opaque: true }]));
+        self.plain = plain;
+        done
+    }
+}
+
+/// One band's share of [`OcclusionBuffer::submit_in_bands`]. May run on any thread.
+pub struct BandJob<'a> {
+    level: Level,
+    submit: Option<Submit<'a>>,
+    counts: RasterCounts,
+}
+
+impl BandJob<'_> {
+    /// Draws the band. A second call does nothing.
+    pub fn run(&mut self) {
+        if let Some(submit) = self.submit.take() {
+            self.counts = self.level.run(submit);
+        }
+    }
+
+    fn finish(&mut self) -> RasterCounts {
+        self.run();
+        self.counts
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! `exact` repeats the documented transform and evaluates edges in integers of 128 bits; `float` is a rasterizer in f64 that
 //! knows nothing of snapping; `scenes` makes cameras and objects from seeds; `state` reads what the library drew and
-//! shows where two such states differ.
+//! shows where two such states differ; `verdicts` holds what is called hidden against the exact item buffer.
 #![allow(dead_code)] // every test file uses a part of it
 
 pub mod exact;
@@ -10,3 +10,4 @@ pub mod float;
 pub mod random;
 pub mod scenes;
 pub mod state;
+pub mod verdicts;
