@@ -214,7 +214,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
 }
 
 /// How many blocks ahead memory is asked for; fewer than sixteen.
-const AHEAD: usize = 3;
+const AHEAD: usize = 8;
 
 /// Columns and rows of a window's tiles, and of a tile's blocks.
 const TILE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
