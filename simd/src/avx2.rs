@@ -235,6 +235,9 @@ impl Simd for Avx2 {
             [_mm256_cvtepi32_pd(_mm256_castsi256_si128(a[0])), _mm256_cvtepi32_pd(_mm256_extracti128_si256::<1>(a[0])),
              _mm256_cvtepi32_pd(_mm256_castsi256_si128(a[1])), _mm256_cvtepi32_pd(_mm256_extracti128_si256::<1>(a[1]))]
         }
+        i_from_d(a: D) -> I {
+            [_mm256_set_m128i(_mm256_cvtpd_epi32(a[1]), _mm256_cvtpd_epi32(a[0])), _mm256_set_m128i(_mm256_cvtpd_epi32(a[3]), _mm256_cvtpd_epi32(a[2]))]
+        }
         f_from_d(a: D) -> F {
             [_mm256_set_m128(_mm256_cvtpd_ps(a[1]), _mm256_cvtpd_ps(a[0])), _mm256_set_m128(_mm256_cvtpd_ps(a[3]), _mm256_cvtpd_ps(a[2]))]
         }

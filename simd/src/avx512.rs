@@ -133,6 +133,9 @@ impl Simd for Avx512 {
         d_from_i(a: I) -> D {
             [_mm512_cvtepi32_pd(_mm512_castsi512_si256(a)), _mm512_cvtepi32_pd(_mm512_extracti64x4_epi64::<1>(a))]
         }
+        i_from_d(a: D) -> I {
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(_mm512_cvtpd_epi32(a[0])), _mm512_cvtpd_epi32(a[1]))
+        }
         f_from_d(a: D) -> F {
             _mm512_insertf32x8::<1>(_mm512_castps256_ps512(_mm512_cvtpd_ps(a[0])), _mm512_cvtpd_ps(a[1]))
         }

@@ -135,6 +135,8 @@ pub trait Simd: Copy + Send + Sync + 'static {
     fn blend_d(self, k: Mask, a: Self::D, b: Self::D) -> Self::D;
     fn d_from_f(self, a: Self::F) -> Self::D;
     fn d_from_i(self, a: Self::I) -> Self::D;
+    /// Of integers that fit.
+    fn i_from_d(self, a: Self::D) -> Self::I;
     /// To the nearest f32.
     fn f_from_d(self, a: Self::D) -> Self::F;
 

@@ -219,6 +219,10 @@ impl Simd for Scalar {
         a.map(f64::from)
     }
     #[inline(always)]
+    fn i_from_d(self, a: [f64; 16]) -> [i32; 16] {
+        a.map(|v| v as i32)
+    }
+    #[inline(always)]
     fn f_from_d(self, a: [f64; 16]) -> [f32; 16] {
         a.map(|v| v as f32)
     }

@@ -49,19 +49,8 @@ pub(crate) fn clip_box(view: &BoxView, b: Aabb) -> ClippedBox {
     let corners: [Point; 8] = std::array::from_fn(corner);
     let sides = [f64::from(view.grid.width()) * 256.0, f64::from(view.grid.height()) * 256.0];
     let rounding = f64::from(ROUNDING);
-    let mut part = Part::NONE;
-    for face in FACES {
-        let mut polygon = Outline { points: [[0.0; 5]; 9], len: 4 };
-        for (to, n) in polygon.points.iter_mut().zip(face) {
-            *to = corners[n];
-        }
-        for plane in 0..5 {
-            polygon = polygon.clipped(|p| distance(p, plane, sides));
-        }
-        for p in &polygon.points[..polygon.len] {
-            part.add(p);
-        }
-    }
+    let distances = corners.map(|p| std::array::from_fn::<f64, 5, _>(|plane| distance(&p, plane, sides)));
+    let part = clipped_part(&corners, &distances, sides);
     if part.least_near <= rounding * size[4] {
         return ClippedBox::Near;
     }
@@ -84,6 +73,35 @@ pub(crate) fn clip_box(view: &BoxView, b: Aabb) -> ClippedBox {
     ClippedBox::Inside(SampleRect { x0, y0, x1, y1 }, (depth as f32).next_up())
 }
 
+/// Clips the faces, each against those planes alone that it crosses.
+fn clipped_part(corners: &[Point; 8], distances: &[[f64; 5]; 8], sides: [f64; 2]) -> Part {
+    let mut part = Part::NONE;
+    let mut buffers = [Outline::EMPTY, Outline::EMPTY];
+    for face in FACES {
+        let outside = |plane: usize| face.iter().filter(|&&n| distances[n][plane] < 0.0).count();
+        let [from, to] = &mut buffers;
+        for (to, n) in from.points.iter_mut().zip(face) {
+            *to = corners[n];
+        }
+        from.len = 4;
+        let (mut from, mut to) = (from, to);
+        for plane in 0..5 {
+            match outside(plane) {
+                0 => {}
+                4 => from.len = 0,
+                _ => {
+                    from.clip(|p| distance(p, plane, sides), to);
+                    std::mem::swap(&mut from, &mut to);
+                }
+            }
+        }
+        for p in &from.points[..from.len] {
+            part.add(p);
+        }
+    }
+    part
+}
+
 /// Signed distance from a plane of the frustum, at least 0 inside: near, left, right, top, bottom.
 fn distance(p: &Point, plane: usize, sides: [f64; 2]) -> f64 {
     match plane {
@@ -102,26 +120,31 @@ struct Outline {
 }
 
 impl Outline {
-    fn clipped(&self, distance: impl Fn(&Point) -> f64) -> Outline {
-        let mut out = Outline { points: self.points, len: 0 };
-        let mut push = |p: Point| {
-            if out.len < 9 {
-                out.points[out.len] = p;
-                out.len += 1;
-            }
-        };
-        for i in 0..self.len {
-            let (p, q) = (&self.points[i], &self.points[(i + 1) % self.len]);
-            let (dp, dq) = (distance(p), distance(q));
-            if dp >= 0.0 {
-                push(*p);
-            }
+    const EMPTY: Outline = Outline { points: [[0.0; 5]; 9], len: 0 };
+
+    fn push(&mut self, p: Point) {
+        if self.len < 9 {
+            self.points[self.len] = p;
+            self.len += 1;
+        }
+    }
+
+    /// The part where `distance` is at least 0.
+    fn clip(&self, distance: impl Fn(&Point) -> f64, out: &mut Outline) {
+        out.len = 0;
+        let Some(last) = self.points[..self.len].last() else { return };
+        let (mut p, mut dp) = (last, distance(last));
+        for q in &self.points[..self.len] {
+            let dq = distance(q);
             if (dp < 0.0) != (dq < 0.0) {
                 let t = dp / (dp - dq);
-                push(std::array::from_fn(|c| p[c] + t * (q[c] - p[c])));
+                out.push(std::array::from_fn(|c| p[c] + t * (q[c] - p[c])));
             }
+            if dq >= 0.0 {
+                out.push(*q);
+            }
+            (p, dp) = (q, dq);
         }
-        out
     }
 }
 

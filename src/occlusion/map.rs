@@ -213,22 +213,16 @@ impl<'a> Sink<'a> for OccluderSink<'a> {
         let covered = before | word;
         self.cover[tile][block] = covered;
         let stored = &mut self.samples[tile].0[block];
+        let zero = s.splat_f(0.0);
         let mut new = depths;
-        if before == 0 {
-            // What is stored means nothing yet: it need not even be fetched.
-            for i in 0..4 {
-                new[i] = s.blend_f((word >> (16 * i)) as Mask, s.splat_f(0.0), depths[i]);
-                s.store_f(new[i], &mut stored[i]);
-            }
-        } else {
-            for i in 0..4 {
-                let old = s.load_f(&stored[i]);
-                new[i] = s.blend_f((word >> (16 * i)) as Mask, old, s.max_f(old, depths[i]));
-                s.store_f(new[i], &mut stored[i]);
-            }
+        // Nothing here branches: which samples were covered before, and whether all are now, cannot be predicted.
+        for i in 0..4 {
+            let old = s.blend_f((before >> (16 * i)) as Mask, zero, s.load_f(&stored[i]));
+            new[i] = s.blend_f((word >> (16 * i)) as Mask, old, s.max_f(old, depths[i]));
+            s.store_f(new[i], &mut stored[i]);
         }
-        let least = s.min_f(s.min_f(new[0], new[1]), s.min_f(new[2], new[3]));
-        if covered == !0 { s.reduce_min_f(least) } else { -1.0 }
+        let least = s.reduce_min_f(s.min_f(s.min_f(new[0], new[1]), s.min_f(new[2], new[3])));
+        if covered == !0 { least } else { -1.0 }
     }
 }
 

@@ -1,12 +1,16 @@
 //! Boxes into the frustum and onto the screen, sixteen at a time, with derived bounds.
 //!
-//! **The bound.** With `D` the largest distances from the eye along the axes, a row `r` of a vertex in the box is computed by
-//! subtraction, product and two sums, and a corner's by two more; each rounds by at most `u = 2^-24` of
-//! `S = |r.x| D.x + |r.y| D.y + |r.z| D.z + |r.w|`. So two of them differ from exactness together by at most `12 u S`, and
-//! their quotients by w, with the division's own rounding, by at most `20 u (S_x + |x| S_w) / w`. We take `32 u`, at the box's
-//! greatest |x| and least w. Snapping adds half a subpixel. Edges move by no more than their end points, so no sample
-//! outside the widened rectangle is touched, and no drawn depth, clamped to that of the vertices, is nearer than the
-//! box's depth plus the same bound for its row.
+//! Corners are transformed incrementally (Zhang 1998, appendix A): a base corner once, and a step along each axis, which the other
+//! seven share.
+//!
+//! **The bound.** Let `D` be the largest distances from the eye along the axes, `u = 2^-24`, and for a row `r`
+//! `S = |r.x| D.x + |r.y| D.y + |r.z| D.z + |r.w|`. A vertex in the box takes a subtraction, a product and three sums: at most
+//! `5 u S` from exactness, to first order. The base corner takes the same. A step takes the two ends' subtractions and their
+//! difference (`4 u D`, since it is at most `2 D`) and a product (`2 u D`): all three at most `6 u S`; adding them, `3 u S`. So corner and
+//! vertex differ from exactness together by at most `19 u S`, and their quotients by w, with reciprocal, product and division, by
+//! at most `23 u (S_x + |x| S_w) / w`, as `|x| w <= S_x`. We take `32 u`, at the box's greatest |x| and least w. Snapping
+//! adds half a subpixel. Edges move by no more than their end points, so no sample outside the widened rectangle is
+//! touched, and no drawn depth, clamped to that of the vertices, is nearer than the box's depth plus the same bound for its row.
 
 use glam::{DVec3, Vec3};
 use homcull_simd::{Kernel, Mask, Simd};
@@ -259,7 +263,7 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// A row at the eight corners: bit `axis` of a corner's number chooses the greater side.
+/// A row at the eight corners, by increments (appendix A): bit `axis` of a corner's number chooses the greater side.
 #[inline(always)]
 fn corners_of_row<S: Simd>(s: S, row: &[f32; 4], low: &[S::F; 3], size: &[S::F; 3]) -> [S::F; 8] {
     let at: [S::F; 3] = each!(3, i => s.mul_f(low[i], s.splat_f(row[i])));

@@ -8,18 +8,15 @@ use std::cmp::Ordering;
 
 use homcull_simd::{Mask, Simd};
 
+use super::convex::{Convex, MOST_CORNERS};
 use super::each::each;
 use super::engine::{Engine, Placement};
 use super::facing::Facing;
 use super::grid::Grid;
-use super::large::Convex;
 use super::plane::{Plane, Planes};
 use super::queue::Lanes;
 use super::sink::Sink;
 use super::transform::{GUARD, ScreenVertices};
-
-/// Three corners, and one more for each of five planes.
-const MOST_CORNERS: usize = 8;
 
 /// A corner before the division, and its snapped position if it is one of the triangle's own inside all planes.
 #[derive(Clone, Copy)]

@@ -139,13 +139,28 @@ impl<S: Simd> Depths<S> {
         }
     }
 
-    /// The unclamped depths of the first samples of a tile's blocks.
+    /// The unclamped depths of the first samples of sixteen tiles.
     #[inline(always)]
-    pub fn tile(&self, s: S, tile_x: i32, tile_y: i32) -> S::F {
+    pub fn tiles(&self, s: S, tile_x: S::I, tile_y: S::I) -> S::F {
+        let p = &self.plane;
+        let dx = s.d_from_i(s.sub_i(s.shl_i::<5>(tile_x), s.splat_i(p.sample_x)));
+        let dy = s.d_from_i(s.sub_i(s.shl_i::<5>(tile_y), s.splat_i(p.sample_y)));
+        let rise = s.add_d(s.mul_d(s.splat_d(p.zx), dx), s.mul_d(s.splat_d(p.zy), dy));
+        s.f_from_d(s.add_d(s.splat_d(p.z0), rise))
+    }
+
+    /// The unclamped depths of the first samples of a tile's blocks, from that of the tile.
+    #[inline(always)]
+    pub fn tile(&self, s: S, first: f32) -> S::F {
+        s.add_f(s.splat_f(first), self.blocks)
+    }
+
+    /// The unclamped depth of the first sample of a tile.
+    #[inline(always)]
+    pub fn tile_first(&self, tile_x: i32, tile_y: i32) -> f32 {
         let p = &self.plane;
         let (dx, dy) = (tile_x * TILE as i32 - p.sample_x, tile_y * TILE as i32 - p.sample_y);
-        let z = (p.z0 + (p.zx * f64::from(dx) + p.zy * f64::from(dy))) as f32;
-        s.add_f(s.splat_f(z), self.blocks)
+        (p.z0 + (p.zx * f64::from(dx) + p.zy * f64::from(dy))) as f32
     }
 
     /// The farthest and the nearest depth in each block of a tile.

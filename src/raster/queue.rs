@@ -3,6 +3,7 @@
 
 use homcull_simd::{Mask, Simd};
 
+use super::convex::PartialBlocks;
 use super::each::each;
 use super::transform::{ScreenVertices, lanes, lanes_mut};
 
@@ -112,10 +113,16 @@ pub(crate) struct Queues {
     pub vertices: ScreenVertices,
     pub small: Queue,
     pub large: Queue,
+    pub partial: PartialBlocks,
 }
 
 impl Queues {
     pub fn new() -> Box<Queues> {
-        Box::new(Queues { vertices: ScreenVertices::new(), small: Queue::new(), large: Queue::new() })
+        Box::new(Queues {
+            vertices: ScreenVertices::new(),
+            small: Queue::new(),
+            large: Queue::new(),
+            partial: PartialBlocks::new(),
+        })
     }
 }

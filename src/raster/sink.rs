@@ -29,6 +29,12 @@ impl Surface<'_> {
         (tile_y as usize - self.band.tile_y0) * self.band.grid.tile_stride() + tile_x as usize
     }
 
+    /// Where a tile stands in `tiles`.
+    #[inline(always)]
+    pub fn tile_place(&self, tile_x: i32, tile_y: i32) -> usize {
+        self.tile_group(tile_x, tile_y)
+    }
+
     /// Takes the new floors of a tile.
     #[inline(always)]
     pub fn set_blocks<S: Simd>(&mut self, s: S, tile: usize, floors: S::F) {

@@ -119,7 +119,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
                     let (tile, block) = self.place(t, l, place);
                     let (tile_x, tile_y) = ((t.block_x[l] + (place & 3)) >> 2, (t.block_y[l] + (place >> 2)) >> 2);
                     let mut first = [0.0; 16];
-                    s.store_f(depths.tile(s, tile_x, tile_y), &mut first);
+                    s.store_f(depths.tile(s, depths.tile_first(tile_x, tile_y)), &mut first);
                     let z = depths.block(s, first[block]);
                     let floor = self.emit(tile, block, word, z, id[l] as u32, t.far[l]);
                     self.sink.surface().raise(s, tile, block, floor);
