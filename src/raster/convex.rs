@@ -184,7 +184,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
         let s = self.simd;
         for i in 0..self.queues.partial.len {
             let list = &self.queues.partial;
-            let ahead = list.place[i + AHEAD];
+            let ahead = list.place[(i + AHEAD).min(list.len - 1)];
             self.sink.expect(ahead as usize >> 5, ahead as usize & 15);
             let place = list.place[i] as usize;
             let (tile, block) = (place >> 5, place & 15);
@@ -213,7 +213,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
     }
 }
 
-/// How many blocks ahead memory is asked for; fewer than sixteen.
+/// How many blocks ahead memory is asked for.
 const AHEAD: usize = 8;
 
 /// Columns and rows of a window's tiles, and of a tile's blocks.
