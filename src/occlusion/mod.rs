@@ -28,7 +28,7 @@ pub use progressive::ProgressiveResult;
 #[cfg(feature = "bvh")]
 pub(crate) use progressive::{BoxTest, OccluderSinkRef, may_be_seen};
 #[cfg(feature = "bvh")]
-pub(crate) use project::{BoxView, Edges, project_lanes};
+pub(crate) use project::{ALL_PLANES, BoxView, Edges, planes_left, project_lanes};
 pub use pyramid::{Level as PyramidLevel, Pyramid};
 pub use query::DepthReading;
 pub use verdict::{Hidden, Verdict, Visible};
