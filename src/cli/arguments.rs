@@ -12,6 +12,7 @@ use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::error::Error;
+use crate::measure::bake::DEFAULT_SIDE;
 use crate::measure::report_target::Target;
 
 /// The longest side of a view, in pixels.
@@ -57,6 +58,14 @@ pub enum Command {
         #[arg(long, value_name = "DEPTH", value_enum, default_value_t = Depth::Nbz)]
         depth: Depth,
     },
+    /// Find what is visible from the points of a grid, and write it to --out FILE, for hom:select=baked
+    Bake {
+        /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
+        scene: String,
+        /// Where from, and how finely
+        #[command(flatten)]
+        bake: BakeArguments,
+    },
     /// Show what a scene is made of
     Inspect {
         /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
@@ -68,6 +77,26 @@ pub enum Command {
     Methods,
     /// Run the table of stiff and extreme cases
     Stability,
+}
+
+/// The options of `bake`.
+#[derive(Debug, Clone, PartialEq, Args)]
+pub struct BakeArguments {
+    /// View points along x, y and z
+    #[arg(long, value_name = "XxYxZ", default_value = "20x10x20")]
+    pub grid: String,
+    /// The least corner of the grid's box, in metres; the scene's when left out
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub min: Option<String>,
+    /// The greatest corner of the grid's box, in metres; the scene's when left out
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub max: Option<String>,
+    /// Samples along the side of a cube's face
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_SIDE, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub face: u32,
+    /// Near distance of the cube, in metres; a ten-thousandth of the scene's diagonal when left out
+    #[arg(long, value_name = "METRES")]
+    pub near: Option<f64>,
 }
 
 /// A kernel that `measure` measures.
@@ -136,7 +165,7 @@ pub struct Options {
     /// Write every frame as comma-separated values to a file, or to standard output (-)
     #[arg(long, global = true, value_name = "FILE|-", value_parser = target)]
     pub csv: Option<Target>,
-    /// The folder for plots and pictures
+    /// The folder for plots and pictures; for bake, the file to write
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Frames to write as pictures, spread evenly over the path

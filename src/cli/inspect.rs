@@ -10,6 +10,7 @@ use crate::geometry::Aabb;
 use crate::measure::json::write_json;
 use crate::measure::report_number::grouped;
 use crate::scene::{self, Hierarchy, PreparedScene};
+use crate::select::{Criterion, StaticCriteria, StaticSelection};
 
 /// What a scene is made of.
 pub fn scene(argument: &str, options: &Options) -> Result<()> {
@@ -22,6 +23,7 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
     let (median, most) = (triangles.get(triangles.len() / 2).copied(), triangles.last().copied());
     let finite = bounds.is_finite();
     let size = if finite { bounds.size().to_array() } else { [0.0; 3] };
+    let occluders = occluders(&prepared)?;
     let value = json!({
         "scene": argument,
         "objects": setting.scene.objects.len(),
@@ -32,6 +34,7 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         "size": size,
         "views": setting.views.len(),
         "hierarchy": {"nodes": hierarchy.nodes.len(), "depth": hierarchy.depth(), "unplaced": hierarchy.unplaced.len()},
+        "occluders": occluders.json(),
     });
     if let Some(target) = &options.json {
         return write_json(target, &value);
@@ -44,8 +47,55 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         println!("  size        {} x {} x {}", size[0], size[1], size[2]);
         println!("  views       {}", setting.views.len());
         println!("  hierarchy   {} nodes, {} deep", hierarchy.nodes.len(), hierarchy.depth());
+        println!("  occluders   {}", occluders.line());
     }
     Ok(())
+}
+
+/// What static occluder selection leaves of a scene.
+struct Occluders {
+    candidates: usize,
+    kept: usize,
+    /// Objects that each criterion flags, and its parameter's value.
+    rejected: [(Criterion, usize, String); 5],
+}
+
+/// Static selection by its defaults; locality and aspect, which are off by default, as for the depth estimation buffer.
+fn occluders(scene: &PreparedScene) -> Result<Occluders> {
+    let standard = StaticCriteria::default();
+    let boxes = StaticCriteria { redundancy: None, ..StaticCriteria::for_estimation_buffer() };
+    let (chosen, by_boxes) = (StaticSelection::new(scene, &standard)?, StaticSelection::new(scene, &boxes)?);
+    let rejected = Criterion::ALL.map(|c| match c {
+        Criterion::Locality | Criterion::Aspect => (c, by_boxes.rejected_by(c), boxes.value(c)),
+        _ => (c, chosen.rejected_by(c), standard.value(c)),
+    });
+    Ok(Occluders { candidates: chosen.candidates(), kept: chosen.kept(), rejected })
+}
+
+impl Occluders {
+    fn json(&self) -> serde_json::Value {
+        let counts = self.rejected.iter().map(|(c, n, value)| {
+            let by_default = StaticCriteria::default().value(*c) != "off";
+            (c.name().to_owned(), json!({"objects": n, "parameter": value, "by_default": by_default}))
+        });
+        let rejected: serde_json::Map<String, serde_json::Value> = counts.collect();
+        json!({"candidates": self.candidates, "kept": self.kept, "rejected": rejected})
+    }
+
+    fn line(&self) -> String {
+        let part =
+            |(c, n, value): &(Criterion, usize, String)| format!("{} {} ({value})", c.name(), grouped(*n as u64));
+        let (off, on): (Vec<_>, Vec<_>) =
+            self.rejected.iter().partition(|(c, ..)| StaticCriteria::default().value(*c) == "off");
+        let list = |of: Vec<&(Criterion, usize, String)>| of.into_iter().map(part).collect::<Vec<_>>().join(", ");
+        format!(
+            "{} of {} by database=static; rejected by {}; if asked, by {}",
+            grouped(self.kept as u64),
+            grouped(self.candidates as u64),
+            list(on),
+            list(off)
+        )
+    }
 }
 
 /// The generators and their defaults.

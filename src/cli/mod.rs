@@ -1,6 +1,7 @@
 //! The program: commands, what they print, and the files they write (PROTOCOL).
 
 pub mod arguments;
+mod bake;
 mod demonstration;
 mod files;
 mod inspect;
@@ -47,6 +48,7 @@ fn execute(arguments: &Arguments) -> Result<()> {
         Some(Command::Measure { kernel, scene, cluster_test, depth }) => {
             measure::run(*kernel, scene, cluster_test.is_on(), *depth, options)
         }
+        Some(Command::Bake { scene, bake }) => bake::run(scene, bake, options),
         Some(Command::Inspect { scene }) => inspect::scene(scene, options),
         Some(Command::Scenes) => inspect::generators(),
         Some(Command::Methods) => inspect::methods(),

@@ -5,11 +5,9 @@
 
 use homcull_simd::{Kernel, Simd};
 
+pub(crate) use crate::occlusion::{ALL_PLANES, planes_left};
 use crate::occlusion::{BoxView, Edges, NEAR, ProjectedBox, ProjectedBoxes, project_lanes};
 use crate::scene::{Child, WideHierarchy};
-
-/// All six planes are still to be tested.
-pub(crate) const ALL_PLANES: u8 = 0b11_1111;
 
 /// Walks the hierarchy and collects the objects in the frustum, in the tree's order.
 pub(crate) struct CollectInFrustum<'a> {
@@ -58,16 +56,6 @@ impl Kernel for CollectInFrustum<'_> {
             }
         }
     }
-}
-
-/// The planes that a child may still cross.
-#[inline(always)]
-pub(crate) fn planes_left(active: u8, inside: &[u16; 6], lane: usize) -> u8 {
-    let mut left = active;
-    for (p, k) in inside.iter().enumerate() {
-        left &= !(((k >> lane & 1) as u8) << p);
-    }
-    left
 }
 
 /// Objects without a finite box: in every frustum.

@@ -7,15 +7,17 @@
 //! since every frame is conservative by itself, resting can't be seen. Both go by counts, never by clocks.
 //! With thresholds at 1 and the display's samples all of them are conservative: the picture stays the same, bit for bit.
 
-use glam::Vec3;
+use std::sync::Arc;
+
 use homcull_simd::Level;
 
-use super::method::{HomParameters, Selection, Update};
+use super::method::{HomParameters, Update};
 use super::vfc::World;
-use super::{VisibleSet, progressive};
+use super::{OccluderSources, VisibleSet, progressive};
 use crate::error::Result;
 use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes, Thresholds};
-use crate::select::{select_by_distance, select_by_z_plane};
+use crate::scene::PreparedScene;
+use crate::select::WalkMemory;
 use crate::view::{View, Viewport};
 use crate::workers::Workers;
 
@@ -52,7 +54,11 @@ pub struct HomFrame {
     pub view: View,
     pub(crate) boxes: ProjectedBoxes,
     pub(crate) stack: Vec<(u32, u8)>,
+    /// What occluders are chosen from: made at the first frame, or given beforehand.
+    sources: Option<Arc<OccluderSources>>,
+    walk: WalkMemory,
     chosen: Vec<u32>,
+    snapped: Option<usize>,
     occluders: Vec<Occluder>,
     hidden: Vec<bool>,
     /// How long culling still rests, and whether it does in this frame.
@@ -77,7 +83,10 @@ impl HomFrame {
             view: view.resized(viewport),
             boxes: ProjectedBoxes::new(),
             stack: Vec::new(),
+            sources: None,
+            walk: WalkMemory::default(),
             chosen: Vec::new(),
+            snapped: None,
             occluders: Vec::new(),
             hidden: Vec::new(),
             rest: Rest::default(),
@@ -100,6 +109,34 @@ impl HomFrame {
         self.rest = rest;
     }
 
+    /// What occluders are chosen from, made now unless it is there: this takes a while, and the first frame would else take it.
+    ///
+    /// # Errors
+    /// Those of [`OccluderSources::new`].
+    pub fn sources(&mut self, scene: &PreparedScene, parameters: &HomParameters) -> Result<Arc<OccluderSources>> {
+        if let Some(sources) = self.sources.as_ref().filter(|s| s.are_of(scene, parameters)) {
+            return Ok(sources.clone());
+        }
+        let sources = Arc::new(OccluderSources::new(scene, parameters)?);
+        self.sources = Some(sources.clone());
+        Ok(sources)
+    }
+
+    /// Chooses from these sources, which frames may share; others are made if they are not of a frame's scene and parameters.
+    pub fn set_sources(&mut self, sources: Arc<OccluderSources>) {
+        self.sources = Some(sources);
+    }
+
+    /// The occluders chosen for this frame, by their ids in the database.
+    pub fn chosen(&self) -> &[u32] {
+        &self.chosen
+    }
+
+    /// The view point of the bake that chose them; `None` when none was near, or none is used.
+    pub fn snapped(&self) -> Option<usize> {
+        self.snapped
+    }
+
     /// The boxes in the frustum.
     pub fn boxes(&self) -> &ProjectedBoxes {
         &self.boxes
@@ -111,11 +148,11 @@ impl HomFrame {
     }
 }
 
-/// OccSel, first half: begins the view, finds what is in the frustum, and chooses occluders (7.3). Multi-pass and progressive
+/// OccSel, first half: begins the view, finds what is in the frustum, and chooses occluders from the database (7.3). Multi-pass and progressive
 /// choose none: there everything visible occludes.
 ///
 /// # Errors
-/// Those of [`OcclusionBuffer::begin`].
+/// Those of [`OcclusionBuffer::begin`] and [`HomFrame::sources`].
 pub fn select_occluders(
     world: &World<'_>,
     level: Level,
@@ -132,6 +169,8 @@ pub fn select_occluders(
     }
     frame.buffer.begin(&frame.view)?;
     frame.occluders.clear();
+    frame.chosen.clear();
+    frame.snapped = None;
     let walks_tree = parameters.update == Update::Always && frame.buffer.settings().thresholds.is_conservative();
     if walks_tree {
         frame.boxes.clear();
@@ -141,29 +180,9 @@ pub fn select_occluders(
     if parameters.update != Update::Once {
         return Ok(frame);
     }
-    let scene = world.scene;
-    let candidates = frame.boxes.boxes().iter().map(|b| b.id()).filter(|&id| scene.occluders[id as usize].opaque);
-    let eye = (view.eye() - scene.origin).as_vec3();
-    match parameters.select {
-        Selection::Distance(measure) => {
-            let triangles = |id| u64::from(scene.triangles(id));
-            select_by_distance(
-                candidates,
-                &scene.bounds,
-                eye,
-                measure,
-                triangles,
-                parameters.occluder_triangles,
-                &mut frame.chosen,
-            );
-        }
-        Selection::ZPlane(distance) => {
-            let w = view.rows()[2].truncate().as_vec3();
-            let forward = if w == Vec3::ZERO { -view.rows()[3].truncate().as_vec3() } else { w };
-            select_by_z_plane(candidates, &scene.bounds, eye, forward.normalize_or_zero(), distance, &mut frame.chosen);
-        }
-    }
-    frame.occluders.extend(frame.chosen.iter().map(|&id| scene.occluders[id as usize]));
+    let sources = frame.sources(world.scene, parameters)?;
+    frame.snapped = sources.choose(level, &frame.view, parameters, &mut frame.walk, &mut frame.chosen);
+    frame.occluders.extend(frame.chosen.iter().map(|&id| *sources.database.occluder(id)));
     Ok(frame)
 }
 
@@ -174,10 +193,11 @@ pub fn select_occluders(
 pub fn draw_occluders(world: &World<'_>, workers: &Workers, frame: HomFrame) -> Result<HomFrame> {
     let mut frame = frame;
     frame.buffer.pyramid_deferred = true;
-    let meshes = &world.scene.meshes;
     if frame.resting || frame.occluders.is_empty() {
         return Ok(frame);
     }
+    let sources = frame.sources.clone();
+    let meshes = sources.as_ref().map_or(&world.scene.meshes, |s| s.database.meshes(world.scene));
     if workers.threads() == 1 {
         frame.buffer.submit(meshes, &frame.occluders)?;
     } else {

@@ -1,8 +1,10 @@
 //! Methods by name and parameters, as they are written on the command line: `hom:depth=nbz,threshold=0.85`.
 
+use std::path::PathBuf;
+
 use crate::error::{Error, Result};
 use crate::occlusion::DepthReading;
-use crate::select::{DEFAULT_TRIANGLES, Measure};
+use crate::select::{Criterion, DEFAULT_TRIANGLES, Measure, StaticCriteria};
 use crate::view::Viewport;
 
 /// A method and its parameters.
@@ -34,6 +36,18 @@ pub enum Selection {
     Distance(Measure),
     /// All that reach nearer than this distance along the view direction.
     ZPlane(f32),
+    /// Those seen from the nearest view point of a bake, the largest first, under a triangle limit (7.5); where none is near,
+    /// by distance.
+    Baked,
+}
+
+/// What may occlude (7.1): the occluder database.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Database {
+    /// Every opaque object.
+    All,
+    /// Those that static selection leaves.
+    Static(StaticCriteria),
 }
 
 /// Parameters of the hom methods.
@@ -45,6 +59,12 @@ pub struct HomParameters {
     pub depth: DepthReading,
     /// How occluders are chosen.
     pub select: Selection,
+    /// What they are chosen from.
+    pub database: Database,
+    /// The bake that [`Selection::Baked`] reads.
+    pub bake: Option<PathBuf>,
+    /// How far from the eye its view point may be, in diagonals of a cell.
+    pub snap: f32,
     /// Triangles of the chosen occluders, at most.
     pub occluder_triangles: u64,
     /// Samples of the occlusion buffer; the display's when `None`. Others are not conservative.
@@ -61,6 +81,9 @@ pub struct HomParameters {
 pub const DEFAULT_UPDATE_TRIANGLES: u64 = 2_000;
 /// Distance of the z-plane, in scene units.
 pub const DEFAULT_Z_PLANE: f32 = 50.0;
+/// Diagonals of a cell to the nearest view point: in the grid and half a cell beyond it there is always one, unless points
+/// around were skipped.
+pub const DEFAULT_SNAP: f32 = 1.0;
 /// Consecutive tests without a hidden object before the bypass. Well-occluded frames of the benchmark scenes show up to
 /// 250 objects, so it lies above; open terrain has thousands.
 pub const DEFAULT_BYPASS: u32 = 384;
@@ -74,6 +97,9 @@ impl HomParameters {
             update,
             depth: DepthReading::PerSample,
             select: Selection::Distance(Measure::Center),
+            database: Database::All,
+            bake: None,
+            snap: DEFAULT_SNAP,
             occluder_triangles: DEFAULT_TRIANGLES,
             resolution: None,
             threshold: 1.0,
@@ -120,7 +146,9 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom",
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: "select=distance|nearest|zplane, occluder-triangles=25000, z=50, update=once|batches|always, and: \
+            parameters: "select=distance|nearest|zplane|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, database=all|static, with static: \
+                         static-size=0.001, static-locality=off, static-aspect=off, static-complexity=6250, \
+                         static-redundancy=0.9; update=once|batches|always, and: \
                          depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, \
                          rest=15",
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
@@ -171,6 +199,12 @@ impl Method {
             let (key, value) =
                 part.split_once('=').ok_or_else(|| Error::parameter("method parameter", part, "must be key=value"))?;
             method.set(name, key, value)?;
+        }
+        match &method {
+            Method::Hom(p) if p.select == Selection::Baked && p.bake.is_none() => {
+                return Err(Error::parameter("select", "baked", "needs bake=FILE, from `homcull bake`"));
+            }
+            _ => {}
         }
         Ok(method)
     }
@@ -229,7 +263,14 @@ impl HomParameters {
             ("select", "distance") => self.select = Selection::Distance(Measure::Center),
             ("select", "nearest") => self.select = Selection::Distance(Measure::Nearest),
             ("select", "zplane") => self.select = Selection::ZPlane(DEFAULT_Z_PLANE),
-            ("select", _) => return Err(bad("distance, nearest or zplane")),
+            ("select", "baked") => self.select = Selection::Baked,
+            ("select", _) => return Err(bad("distance, nearest, zplane or baked")),
+            ("bake", "") => return Err(bad("a file that `homcull bake` wrote")),
+            ("bake", _) => self.bake = Some(value.into()),
+            ("snap", _) => {
+                let snap = value.parse::<f32>().ok().filter(|s| s.is_finite() && *s >= 0.0);
+                self.snap = snap.ok_or_else(|| bad("diagonals of a cell, 0 or more"))?;
+            }
             ("z", _) => {
                 let z = value
                     .parse::<f32>()
@@ -237,6 +278,16 @@ impl HomParameters {
                     .filter(|z| z.is_finite() && *z > 0.0)
                     .ok_or_else(|| bad("a distance above 0"))?;
                 self.select = Selection::ZPlane(z);
+            }
+            ("database", "all") => self.database = Database::All,
+            ("database", "static") => self.database = Database::Static(StaticCriteria::default()),
+            ("database", _) => return Err(bad("all or static")),
+            (_, _) if key.starts_with("static-") => {
+                let criterion = Criterion::ALL.into_iter().find(|c| key == c.parameter()).ok_or_else(&unknown)?;
+                match &mut self.database {
+                    Database::Static(criteria) => criteria.set(criterion, value)?,
+                    Database::All => return Err(Error::parameter(key, value, "must follow database=static")),
+                }
             }
             ("occluder-triangles", _) => self.occluder_triangles = number("a number of triangles")?,
             ("threshold", _) => {
@@ -266,11 +317,25 @@ impl HomParameters {
                     Selection::Distance(Measure::Center) => "distance",
                     Selection::Distance(Measure::Nearest) => "nearest",
                     Selection::ZPlane(_) => "zplane",
+                    Selection::Baked => "baked",
                 };
                 out.push(("select", select.into()));
                 match self.select {
                     Selection::ZPlane(z) => out.push(("z", z.to_string())),
-                    Selection::Distance(_) => out.push(("occluder-triangles", self.occluder_triangles.to_string())),
+                    Selection::Distance(_) | Selection::Baked => {
+                        out.push(("occluder-triangles", self.occluder_triangles.to_string()));
+                    }
+                }
+                if let (Selection::Baked, Some(bake)) = (self.select, &self.bake) {
+                    out.push(("bake", bake.display().to_string()));
+                    out.push(("snap", self.snap.to_string()));
+                }
+                match self.database {
+                    Database::All => out.push(("database", "all".into())),
+                    Database::Static(criteria) => {
+                        out.push(("database", "static".into()));
+                        out.extend(Criterion::ALL.map(|c| (c.parameter(), criteria.value(c))));
+                    }
                 }
             }
             Update::Batches(n) => out.push(("update-triangles", n.to_string())),

@@ -9,9 +9,11 @@ pub mod hom;
 pub mod ideal;
 mod method;
 mod progressive;
+mod sources;
 pub mod vfc;
 
-pub use method::{HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub use method::{Database, HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub use sources::OccluderSources;
 
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! Walks and kernels, measured; error metrics; tables, plots and pictures.
 
+#[cfg(feature = "bvh")]
+pub mod bake;
 pub mod clock;
 #[cfg(feature = "cli")]
 pub mod csv;

@@ -13,7 +13,7 @@ use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
 use crate::cull::hom::{self, HomFrame, Rest};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{HomParameters, Method, VisibleSet, ideal};
+use crate::cull::{HomParameters, Method, Update, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -76,7 +76,7 @@ pub fn walk(
     (report.width, report.height) = (first.viewport().width(), first.viewport().height());
     let world = World::new(scene);
     let mut exact = Exact::new(first, &world, options.level)?;
-    let mut runners = methods.iter().map(|m| Runner::new(m, first, options)).collect::<Result<Vec<_>>>()?;
+    let mut runners = methods.iter().map(|m| Runner::new(m, &world, first, options)).collect::<Result<Vec<_>>>()?;
     let mut clocks = Vec::new();
     for (frame, view) in views.iter().enumerate() {
         exact.look(&world, view, options)?;
@@ -165,9 +165,15 @@ struct Runner<'m> {
 }
 
 impl<'m> Runner<'m> {
-    fn new(method: &'m Method, view: &View, options: &WalkOptions<'_>) -> Result<Runner<'m>> {
+    fn new(method: &'m Method, world: &World<'_>, view: &View, options: &WalkOptions<'_>) -> Result<Runner<'m>> {
         let hom = match method {
-            Method::Hom(parameters) => Some(HomFrame::new(view, options.level, parameters)?),
+            Method::Hom(parameters) => {
+                let mut frame = HomFrame::new(view, options.level, parameters)?;
+                if parameters.update == Update::Once {
+                    frame.sources(world.scene, parameters)?;
+                }
+                Some(frame)
+            }
             Method::Vfc | Method::Ideal => None,
         };
         Ok(Runner {

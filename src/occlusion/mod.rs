@@ -30,7 +30,7 @@ pub(crate) use progressive::OccluderSinkRef;
 pub(crate) use progressive::PlacedRows;
 pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]
-pub(crate) use project::{BoxView, Edges, project_lanes};
+pub(crate) use project::{ALL_PLANES, BoxView, Edges, planes_left, project_lanes};
 pub use pyramid::{Level as PyramidLevel, Pyramid};
 pub use query::DepthReading;
 pub use submit::BandJob;

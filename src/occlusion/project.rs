@@ -21,6 +21,21 @@ use crate::raster::{Grid, ObjectRows, each};
 /// 32 rounding steps of f32, relative.
 pub(crate) const ROUNDING: f32 = 32.0 / 16_777_216.0;
 
+/// All six planes of a frustum are still to be tested.
+#[cfg(feature = "bvh")]
+pub(crate) const ALL_PLANES: u8 = 0b11_1111;
+
+/// Of the planes in `active`, those that the box in a lane may still cross, as [`Edges::against_planes`] found it.
+#[cfg(feature = "bvh")]
+#[inline(always)]
+pub(crate) fn planes_left(active: u8, inside: &[u16; 6], lane: usize) -> u8 {
+    let mut left = active;
+    for (p, k) in inside.iter().enumerate() {
+        left &= !(((k >> lane & 1) as u8) << p);
+    }
+    left
+}
+
 /// A view as boxes see it: its rows, and its frustum's planes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoxView {

@@ -150,6 +150,11 @@ impl PreparedMeshes {
         Ok(())
     }
 
+    /// Whether this mesh has been added.
+    pub fn contains(&self, mesh: MeshId) -> bool {
+        (mesh.0 as usize) < self.meshes.len()
+    }
+
     /// Triangles of a mesh.
     pub fn triangles(&self, mesh: MeshId) -> u32 {
         self.meshes[mesh.0 as usize].triangles

@@ -4,6 +4,7 @@ use glam::{DVec3, Mat3};
 
 use super::Mesh;
 use crate::geometry::Aabb;
+use crate::hash::Hash;
 use crate::raster::Facing;
 
 /// An instance of a mesh: the unit of culling.
@@ -40,6 +41,31 @@ impl Scene {
     /// Triangles of all objects.
     pub fn triangles(&self) -> u64 {
         self.objects.iter().map(|o| self.meshes[o.mesh as usize].triangles().len() as u64).sum()
+    }
+
+    /// A hash of everything that can be seen or can hide: meshes, placements, facing, opacity; not of names and colours. Equal for
+    /// equal scenes on every machine. One pass over the geometry.
+    pub fn hash(&self) -> u64 {
+        let mut hash = Hash::default();
+        let pair = |a: f32, b: f32| u64::from(a.to_bits()) << 32 | u64::from(b.to_bits());
+        for mesh in &self.meshes {
+            hash.add((mesh.positions().len() as u64) << 32 | mesh.triangles().len() as u64);
+            for p in mesh.positions() {
+                hash.add(pair(p.x, p.y));
+                hash.add(pair(p.z, 0.0));
+            }
+            for [a, b, c] in mesh.triangles() {
+                hash.add(u64::from(*a) << 32 | u64::from(*b));
+                hash.add(u64::from(*c));
+            }
+        }
+        for object in &self.objects {
+            let facing = object.facing as u64;
+            hash.add(u64::from(object.mesh) << 32 | facing << 1 | u64::from(object.opaque));
+            object.position.to_array().iter().for_each(|v| hash.add(v.to_bits()));
+            object.rotation.to_cols_array().iter().for_each(|v| hash.add(v.to_bits().into()));
+        }
+        hash.value()
     }
 
     /// The object's box about `origin`, rounded outwards to f32; empty when its mesh draws nothing.

@@ -12,6 +12,8 @@ use crate::raster::{MeshId, PreparedMeshes};
 /// Everything that does not change from frame to frame.
 #[derive(Debug, Clone, Default)]
 pub struct PreparedScene {
+    /// [`Scene::hash`] of what was prepared.
+    pub hash: u64,
     /// Meshes of the scene, in its order.
     pub meshes: PreparedMeshes,
     /// One an object, in order of id.
@@ -44,7 +46,7 @@ impl PreparedScene {
         if scene.objects.len() >= 1 << 30 {
             return Err(most("objects"));
         }
-        let mut out = PreparedScene { origin: origin_of(scene), ..PreparedScene::default() };
+        let mut out = PreparedScene { hash: scene.hash(), origin: origin_of(scene), ..PreparedScene::default() };
         for mesh in &scene.meshes {
             out.meshes.add(mesh.positions(), mesh.triangles())?;
         }

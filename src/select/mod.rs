@@ -1,7 +1,17 @@
-//! Occluder selection at run time (Zhang 1998, 7.3).
+//! Occluder selection (Zhang 1998, chapter 7): what may occlude at all, and what does so in a view.
 
+mod baked;
+mod database;
 mod distance;
+mod redundancy;
+mod statics;
+mod view_grid;
 mod zplane;
 
+pub(crate) use baked::{BACK_SIDES, ENCLOSED, HEADER, checksum, write_bake};
+pub use baked::{BakeHeader, BakedVisibility, Sight};
+pub use database::{OccluderDatabase, Order, WalkMemory};
 pub use distance::{DEFAULT_TRIANGLES, Measure, select_by_distance};
+pub use statics::{Criterion, StaticCriteria, StaticSelection};
+pub use view_grid::{MAX_CELLS, ViewGrid};
 pub use zplane::select_by_z_plane;

@@ -1,0 +1,105 @@
+//! What a hom method chooses its occluders from (Zhang 1998, chapter 7): the database of a scene and the bake, made and read once
+//! a method; and the choice of a view.
+
+use std::path::PathBuf;
+
+use glam::Vec3;
+use homcull_simd::Level;
+
+use super::method::{Database, HomParameters, Selection};
+use crate::error::{Error, Result};
+use crate::scene::PreparedScene;
+use crate::select::{BakedVisibility, Measure, OccluderDatabase, Order, StaticSelection, WalkMemory};
+use crate::view::View;
+
+/// The sources of one method in one scene. Read by any number of frames.
+#[derive(Debug, Clone)]
+pub struct OccluderSources {
+    /// What may occlude.
+    pub database: OccluderDatabase,
+    /// What is seen from where, when selection asks for it.
+    baked: Option<BakedVisibility>,
+    scene: u64,
+    /// The parameters that it was made by: the database's, and the bake's file.
+    made_by: (Database, Option<PathBuf>),
+}
+
+impl OccluderSources {
+    /// Builds the database that the parameters ask for, and reads their bake.
+    ///
+    /// # Errors
+    /// Those of [`StaticSelection::new`] and [`BakedVisibility::load`]; [`Error::Parameter`] when a bake is to be used and none
+    /// is named.
+    pub fn new(scene: &PreparedScene, parameters: &HomParameters) -> Result<OccluderSources> {
+        let database = match &parameters.database {
+            Database::All => OccluderDatabase::of_scene(scene, |_| true),
+            Database::Static(criteria) => {
+                let selection = StaticSelection::new(scene, criteria)?;
+                OccluderDatabase::of_scene(scene, |id| selection.admits(id))
+            }
+        };
+        let mut sources = OccluderSources::with_database(database, scene, parameters);
+        if let Some(path) = sources.made_by.1.as_ref() {
+            sources.baked = Some(BakedVisibility::load(path, scene)?);
+        } else if parameters.select == Selection::Baked {
+            return Err(Error::parameter("select", "baked", "needs a bake"));
+        }
+        Ok(sources)
+    }
+
+    /// A database of the caller's own, e.g. of meshes given as occluders, in place of the one that the parameters name. It has
+    /// ids of its own, so no bake goes with it: [`Selection::Baked`] chooses by distance.
+    pub fn with_database(
+        database: OccluderDatabase,
+        scene: &PreparedScene,
+        parameters: &HomParameters,
+    ) -> OccluderSources {
+        let made_by = (parameters.database, bake_of(parameters).cloned());
+        OccluderSources { database, baked: None, scene: scene.hash, made_by }
+    }
+
+    /// Whether these are the sources of that scene under those parameters.
+    pub fn are_of(&self, scene: &PreparedScene, parameters: &HomParameters) -> bool {
+        let (database, bake) = &self.made_by;
+        self.scene == scene.hash && *database == parameters.database && bake.as_ref() == bake_of(parameters)
+    }
+
+    /// Chooses the occluders of a view: ids in the database. With a bake, gives the view point that the eye snapped onto.
+    pub(super) fn choose(
+        &self,
+        level: Level,
+        view: &View,
+        parameters: &HomParameters,
+        memory: &mut WalkMemory,
+        chosen: &mut Vec<u32>,
+    ) -> Option<usize> {
+        let limit = parameters.occluder_triangles;
+        let (order, limit) = match parameters.select {
+            Selection::Distance(measure) => (Order::Distance(measure), limit),
+            Selection::Baked => {
+                let baked = self.baked.as_ref();
+                let at = baked.and_then(|baked| Some((baked, baked.snap(view.eye(), parameters.snap)?)));
+                if let Some((baked, point)) = at {
+                    self.database.choose_in_order(level, view, baked.objects(point), limit, chosen);
+                    return Some(point);
+                }
+                (Order::Distance(Measure::Center), limit)
+            }
+            Selection::ZPlane(distance) => (Order::ZPlane { forward: forward(view), distance }, u64::MAX),
+        };
+        self.database.choose(level, view, order, limit, &|_| true, memory, chosen);
+        None
+    }
+}
+
+/// The bake that the parameters read, if they do.
+fn bake_of(parameters: &HomParameters) -> Option<&PathBuf> {
+    parameters.bake.as_ref().filter(|_| parameters.select == Selection::Baked)
+}
+
+/// The view direction, a unit vector.
+fn forward(view: &View) -> Vec3 {
+    let w = view.rows()[2].truncate().as_vec3();
+    let forward = if w == Vec3::ZERO { -view.rows()[3].truncate().as_vec3() } else { w };
+    forward.normalize_or_zero()
+}

@@ -1,0 +1,308 @@
+//! The occluder database (Zhang 1998, 3.2 and 7.3): what may occlude, in a hierarchy of its own, apart from the model's.
+//!
+//! An occluder is one of the scene's objects, or a mesh given as an occluder and drawn nowhere else. Per view the tree is walked
+//! within the frustum, nearest first, until enough is chosen: what is farther is never looked at. The order is that of a full
+//! sort of what is in the frustum: a group is never farther than what is below it, in f32 as in truth, since every step of the
+//! distances is monotone. What is not in the database never occludes, which costs culling and never correctness.
+//! About 110 bytes an occluder; a choice of 500 of 10,000 takes some tens of microseconds.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::{DVec3, Vec3};
+use homcull_simd::{Kernel, Level, Simd};
+
+use super::Measure;
+use crate::error::{Error, Result};
+use crate::geometry::Aabb;
+use crate::occlusion::{ALL_PLANES, BoxGroup, BoxView, Edges, Occluder, planes_left};
+use crate::raster::{Grid, ObjectRows, PreparedMeshes};
+use crate::scene::{Child, PreparedScene, WideHierarchy};
+use crate::view::View;
+
+/// What may occlude, and its tree.
+#[derive(Debug, Clone, Default)]
+pub struct OccluderDatabase {
+    /// Meshes of its own; `None` when the scene's are meant.
+    meshes: Option<PreparedMeshes>,
+    occluders: Vec<Occluder>,
+    /// About `origin`; empty for what is not in the database.
+    bounds: Vec<Aabb>,
+    triangles: Vec<u32>,
+    origin: DVec3,
+    tree: WideHierarchy,
+    members: usize,
+}
+
+/// In which order occluders are taken, and how far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Order {
+    /// By distance from the eye (7.3.2); ties by id.
+    Distance(Measure),
+    /// By how near they reach along `forward`, a unit vector; what reaches no nearer than `distance` is not taken (7.3.1).
+    ZPlane {
+        /// The view direction.
+        forward: Vec3,
+        /// Of the plane, from the eye.
+        distance: f32,
+    },
+}
+
+/// The queue of a walk: reused from frame to frame.
+#[derive(Debug, Clone, Default)]
+pub struct WalkMemory {
+    front: BinaryHeap<Reverse<(u64, u8)>>,
+}
+
+impl OccluderDatabase {
+    /// The objects of a scene that `may_occlude`, under their own ids. What is not opaque, or has no triangles or no finite box,
+    /// never gets in.
+    pub fn of_scene(scene: &PreparedScene, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
+        let triangles: Vec<u32> = (0..scene.occluders.len() as u32).map(|id| scene.triangles(id)).collect();
+        let admitted = |id: usize| scene.occluders[id].opaque && triangles[id] > 0 && may_occlude(id as u32);
+        let bounds = scene.bounds.iter().enumerate().map(|(id, &b)| if admitted(id) { b } else { Aabb::EMPTY });
+        OccluderDatabase::build(None, scene.occluders.clone(), bounds.collect(), triangles, scene.origin)
+    }
+
+    /// Meshes given as occluders, by place; `bounds` are their boxes about `origin`. Whether they hide only what the model
+    /// hides is the caller's affair: culling is conservative if each, as a set of points, lies within what is drawn.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when there are not as many boxes as occluders, or an occluder's mesh is not among `meshes`.
+    pub fn of_meshes(
+        meshes: PreparedMeshes,
+        occluders: Vec<Occluder>,
+        bounds: Vec<Aabb>,
+        origin: DVec3,
+    ) -> Result<OccluderDatabase> {
+        if bounds.len() != occluders.len() {
+            return Err(Error::parameter(
+                "bounds",
+                bounds.len(),
+                format!("must be {}, one an occluder", occluders.len()),
+            ));
+        }
+        if let Some(o) = occluders.iter().position(|o| !meshes.contains(o.mesh)) {
+            return Err(Error::parameter("occluder", o, "its mesh is not among the meshes"));
+        }
+        let triangles: Vec<u32> = occluders.iter().map(|o| meshes.triangles(o.mesh)).collect();
+        let admitted = |id: usize| occluders[id].opaque && triangles[id] > 0;
+        let bounds = bounds.iter().enumerate().map(|(id, &b)| if admitted(id) { b } else { Aabb::EMPTY }).collect();
+        Ok(OccluderDatabase::build(Some(meshes), occluders, bounds, triangles, origin))
+    }
+
+    fn build(
+        meshes: Option<PreparedMeshes>,
+        occluders: Vec<Occluder>,
+        bounds: Vec<Aabb>,
+        triangles: Vec<u32>,
+        origin: DVec3,
+    ) -> OccluderDatabase {
+        let bounds: Vec<Aabb> = bounds.into_iter().map(|b| if b.is_finite() { b } else { Aabb::EMPTY }).collect();
+        let tree = WideHierarchy::new(&bounds);
+        let members = bounds.iter().filter(|b| !b.is_empty()).count();
+        OccluderDatabase { meshes, occluders, bounds, triangles, origin, tree, members }
+    }
+
+    /// Occluders in it.
+    pub fn len(&self) -> usize {
+        self.members
+    }
+
+    /// True when nothing may occlude.
+    pub fn is_empty(&self) -> bool {
+        self.members == 0
+    }
+
+    /// Whether this object, or given mesh, may occlude.
+    pub fn contains(&self, id: u32) -> bool {
+        self.bounds.get(id as usize).is_some_and(|b| !b.is_empty())
+    }
+
+    /// What is drawn for an occluder.
+    pub fn occluder(&self, id: u32) -> &Occluder {
+        &self.occluders[id as usize]
+    }
+
+    /// Where the occluders' meshes are.
+    pub fn meshes<'a>(&'a self, scene: &'a PreparedScene) -> &'a PreparedMeshes {
+        self.meshes.as_ref().unwrap_or(&scene.meshes)
+    }
+
+    /// Triangles of occluders together.
+    pub fn triangles(&self, ids: &[u32]) -> u64 {
+        ids.iter().map(|&id| u64::from(self.triangles[id as usize])).sum()
+    }
+
+    /// Chooses occluders in the frustum in an order. Stops before the triangles chosen would pass `limit`; the first is always
+    /// taken. `candidate` may turn down more, view by view; an object turned down counts nothing.
+    #[allow(clippy::too_many_arguments)]
+    pub fn choose(
+        &self,
+        level: Level,
+        view: &View,
+        order: Order,
+        limit: u64,
+        candidate: &dyn Fn(u32) -> bool,
+        memory: &mut WalkMemory,
+        chosen: &mut Vec<u32>,
+    ) {
+        chosen.clear();
+        let eye = (view.eye() - self.origin).as_vec3();
+        level.run(Walk { database: self, view: &self.box_view(view), eye, order, limit, candidate, memory, chosen });
+    }
+
+    /// Goes through a list in its own order and takes what is in the database and in the frustum (7.5), under the same limit.
+    /// Ids beyond the database count as not in it.
+    pub fn choose_in_order(&self, level: Level, view: &View, list: &[u32], limit: u64, chosen: &mut Vec<u32>) {
+        chosen.clear();
+        level.run(InOrder { database: self, view: &self.box_view(view), list, limit, chosen });
+    }
+
+    fn box_view(&self, view: &View) -> BoxView {
+        BoxView::new(ObjectRows::new(view, self.origin), Grid::new(view.viewport()), view.near_center())
+    }
+}
+
+/// Under a limit: takes while it is not passed, the first whatever it has.
+struct Taken<'a> {
+    triangles: u64,
+    limit: u64,
+    chosen: &'a mut Vec<u32>,
+}
+
+impl Taken<'_> {
+    /// False when the limit would be passed: then nothing more is taken.
+    fn take(&mut self, id: u32, triangles: u32) -> bool {
+        self.triangles = self.triangles.saturating_add(triangles.into());
+        let takes = self.triangles <= self.limit || self.chosen.is_empty();
+        if takes {
+            self.chosen.push(id);
+        }
+        takes
+    }
+}
+
+impl Order {
+    /// Bits that sort as the order does: of the object with this box. Not below [`Order::group`] of any box around it.
+    #[inline(always)]
+    fn object(self, b: Aabb, eye: Vec3) -> u32 {
+        match self {
+            // Squared distances are not negative: their bits sort as they do.
+            Order::Distance(Measure::Center) => (b.center() - eye).length_squared().to_bits(),
+            Order::Distance(Measure::Nearest) | Order::ZPlane { .. } => self.group(b, eye),
+        }
+    }
+
+    /// The same for a group: of its nearest point.
+    #[inline(always)]
+    fn group(self, b: Aabb, eye: Vec3) -> u32 {
+        match self {
+            Order::Distance(_) => b.distance_squared(eye).to_bits(),
+            Order::ZPlane { forward, .. } => {
+                let nearest = Vec3::select(forward.cmpge(Vec3::ZERO), b.min, b.max);
+                // What reaches behind the eye is nearest of all. A maximum with a NaN is the other number.
+                (nearest - eye).dot(forward).max(0.0).to_bits()
+            }
+        }
+    }
+
+    /// Keys from which on nothing is taken.
+    fn end(self) -> u32 {
+        match self {
+            Order::Distance(_) => u32::MAX,
+            Order::ZPlane { distance, .. } => distance.max(0.0).to_bits(),
+        }
+    }
+}
+
+/// In a key, below the distance: objects come after groups as far away, so that ties come out by id.
+const OBJECT: u64 = 1 << 31;
+
+struct Walk<'a> {
+    database: &'a OccluderDatabase,
+    view: &'a BoxView,
+    eye: Vec3,
+    order: Order,
+    limit: u64,
+    candidate: &'a dyn Fn(u32) -> bool,
+    memory: &'a mut WalkMemory,
+    chosen: &'a mut Vec<u32>,
+}
+
+impl Kernel for Walk<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Walk { database, view, eye, order, limit, candidate, memory, chosen } = self;
+        let tree = &database.tree;
+        let mut taken = Taken { triangles: 0, limit, chosen };
+        let (front, end) = (&mut memory.front, order.end());
+        front.clear();
+        if !tree.is_empty() {
+            front.push(Reverse((0, ALL_PLANES)));
+        }
+        while let Some(Reverse((key, active))) = front.pop() {
+            let number = key as u32;
+            if (key >> 32) as u32 >= end {
+                return;
+            }
+            if key & OBJECT != 0 {
+                let id = number & !(OBJECT as u32);
+                if candidate(id) && !taken.take(id, database.triangles[id as usize]) {
+                    return;
+                }
+                continue;
+            }
+            let boxes = Edges::new(s, view, &tree.groups[number as usize]);
+            let (mut k, inside) = boxes.against_planes(s, view, active, tree.used(number));
+            let links = tree.links(number);
+            while k != 0 {
+                let lane = k.trailing_zeros() as usize;
+                k &= k - 1;
+                let (distance, tag) = match WideHierarchy::child(links[lane]) {
+                    Child::Object(id) => (order.object(database.bounds[id as usize], eye), OBJECT | u64::from(id)),
+                    Child::Group(group) => (order.group(tree.bounds[group as usize], eye), group.into()),
+                };
+                front.push(Reverse((u64::from(distance) << 32 | tag, planes_left(active, &inside, lane))));
+            }
+        }
+    }
+}
+
+struct InOrder<'a> {
+    database: &'a OccluderDatabase,
+    view: &'a BoxView,
+    list: &'a [u32],
+    limit: u64,
+    chosen: &'a mut Vec<u32>,
+}
+
+impl Kernel for InOrder<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let InOrder { database, view, list, limit, chosen } = self;
+        let mut taken = Taken { triangles: 0, limit, chosen };
+        for ids in list.chunks(16) {
+            let (mut group, mut used) = (BoxGroup::NONE, 0);
+            for (lane, &id) in ids.iter().enumerate() {
+                if database.contains(id) {
+                    group.set(lane, database.bounds[id as usize]);
+                    used |= 1 << lane;
+                }
+            }
+            let boxes = Edges::new(s, view, &group);
+            let (mut k, _) = boxes.against_planes(s, view, ALL_PLANES, used);
+            while k != 0 {
+                let id = ids[k.trailing_zeros() as usize];
+                k &= k - 1;
+                if !taken.take(id, database.triangles[id as usize]) {
+                    return;
+                }
+            }
+        }
+    }
+}
