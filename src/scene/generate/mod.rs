@@ -3,6 +3,7 @@
 //! Integer hashes draw the numbers, `libm` does the trigonometry, and the number of triangles is met by whole objects.
 
 mod city;
+mod piping;
 mod solid;
 mod stock;
 mod terrain;
