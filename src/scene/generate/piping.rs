@@ -65,14 +65,14 @@ pub(super) fn torus(solid: &mut Solid, steps: usize, radius: f32, sides: usize, 
     solid.hoop(&rings);
 }
 
-/// Hexagonal bolts standing on a circle about y, with their heads from `y0` to `y1`: 20 triangles each.
+/// Bolts of five sides standing on a circle about y, from `y0` to `y1`: 16 triangles each.
 pub(super) fn bolts(solid: &mut Solid, count: usize, circle_radius: f32, size: f32, (y0, y1): (f32, f32)) {
     for at in circle(count, Vec2::ZERO, circle_radius) {
-        solid.column(6, at, (y0, size), (y1, size));
+        solid.column(5, at, (y0, size), (y1, size));
     }
 }
 
-/// A pair of flanges about y around the origin, for a pipe of `radius`, with `count` bolts through: 8 * sides - 8 and 20 a
+/// A pair of flanges about y around the origin, for a pipe of `radius`, with `count` bolts through: 8 * sides - 8 and 16 a
 /// bolt.
 pub(super) fn flange(sides: usize, radius: f32, count: usize) -> Solid {
     let mut solid = Solid::default();
@@ -95,17 +95,17 @@ pub(super) fn valve(radius: f32) -> [Solid; 2] {
     let shape = [(radius, thick - half), (radius * 1.1, -half * 0.6), (radius * 1.5, 0.0), (radius * 1.1, half * 0.6)];
     let shape: Vec<(f32, f32)> = shape.into_iter().chain([(radius, half - thick)]).collect();
     let mut trunk = Solid::default();
-    trunk.lathe(12, &shape);
+    trunk.lathe(10, &shape);
     for (y0, y1) in [(-half, thick - half), (half - thick, half)] {
-        trunk.column(16, Vec2::ZERO, (y0, outer), (y1, outer));
+        trunk.column(12, Vec2::ZERO, (y0, outer), (y1, outer));
     }
     body.join(&trunk, along, Vec3::ZERO);
     // The bonnet with its flange and bolts, the gland, and the yoke that carries the stem.
     let top = radius * 2.2 + 0.02;
     let bonnet = [(radius * 1.05, 0.0), (radius * 1.05, top), (radius * 0.5, top * 1.35), (radius * 0.4, top * 1.6)];
-    body.lathe(10, &bonnet);
-    body.column(12, Vec2::ZERO, (top * 0.8, radius * 1.45), (top, radius * 1.45));
-    bolts(&mut body, 6, radius * 1.25, radius * 0.16, (top * 0.72, top * 1.08));
+    body.lathe(8, &bonnet);
+    body.column(10, Vec2::ZERO, (top * 0.8, radius * 1.45), (top, radius * 1.45));
+    bolts(&mut body, 4, radius * 1.25, radius * 0.16, (top * 0.72, top * 1.08));
     let stem = top * 2.4 + 0.06;
     for side in [-1.0, 1.0] {
         let foot = Vec3::new(0.0, top * 1.3, side * radius * 0.55);
@@ -115,8 +115,8 @@ pub(super) fn valve(radius: f32) -> [Solid; 2] {
     body.column(6, Vec2::ZERO, (top, radius * 0.18), (stem * 1.12, radius * 0.18));
     let rim = radius * 1.5 + 0.05;
     let mut hand = Solid::default();
-    torus(&mut hand, 20, rim, 6, 0.012 + radius * 0.06);
-    for spoke in circle(5, Vec2::ZERO, rim) {
+    torus(&mut hand, 16, rim, 5, 0.012 + radius * 0.06);
+    for spoke in circle(4, Vec2::ZERO, rim) {
         rod(&mut hand, 5, 0.008 + radius * 0.04, Vec3::ZERO, Vec3::new(spoke.x, 0.0, spoke.y));
     }
     hand.column(8, Vec2::ZERO, (-0.02, 0.02 + radius * 0.2), (0.03, 0.015 + radius * 0.18));
