@@ -42,9 +42,9 @@ pub(super) fn pipe(solid: &mut Solid, sides: usize, radius: f32, points: &[Vec3]
     solid.skin(&rings);
 }
 
-/// A regular ring about `ahead`, a unit vector, with `aside` perpendicular to it.
+/// A regular ring that turns by the right hand about `ahead`, a unit vector, with `aside` perpendicular to it.
 fn ring(sides: usize, radius: f32, middle: Vec3, aside: Vec3, ahead: Vec3) -> Vec<Vec3> {
-    let up = ahead.cross(aside);
+    let up = aside.cross(ahead);
     circle(sides, Vec2::ZERO, radius).iter().map(|p| middle + aside * p.x + up * p.y).collect()
 }
 
