@@ -42,7 +42,7 @@ const METHODS: [&str; 5] = ["vfc", "hom", "hom-multipass", "hom-progressive", "i
 #[test]
 fn scenes_and_methods_are_listed_with_their_parameters() {
     let scenes = run(&["scenes"]);
-    for name in ["city:seed=1,triangles=312524", "terrain:seed=1,triangles=200000"] {
+    for name in ["city:seed=1,triangles=312524", "plant:seed=1,triangles=12748510", "terrain:seed=1,triangles=200000"] {
         assert!(scenes.contains(name), "no {name} in\n{scenes}");
     }
     let methods = run(&["methods"]);
@@ -140,8 +140,11 @@ fn one_image(scene: &str, options: &[&str]) -> String {
 
 #[test]
 fn pictures_do_not_depend_on_method_level_or_threads() {
-    let mut scenes: Vec<(String, &str)> =
-        vec![("city:triangles=30000".into(), "160x128"), ("terrain:triangles=20000".into(), "123x77")];
+    let mut scenes: Vec<(String, &str)> = vec![
+        ("city:triangles=30000".into(), "160x128"),
+        ("plant:triangles=60000".into(), "160x128"),
+        ("terrain:triangles=20000".into(), "123x77"),
+    ];
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     for entry in std::fs::read_dir(data).unwrap() {
         let path = entry.unwrap().path();

@@ -30,6 +30,7 @@ fn walk(frames: usize) -> WalkReport {
         simd: "avx512".into(),
         threads: 1,
         clock_ghz: 2.9,
+        peak_memory_bytes: Some(3 << 30),
         runs: vec![
             run("vfc", 1.0, 1.0, &[]),
             run("hom", 0.24, 0.13, &[("depth", "nbz"), ("threshold", "1")]),
@@ -78,7 +79,7 @@ fn scratch(name: &str) -> PathBuf {
 fn promised() -> Value {
     json!({"scene": {"name": "", "objects": 0, "triangles": 0},
      "view": {"width": 1280, "height": 1024, "frames": 120},
-     "machine": {"simd": "avx512", "threads": 2, "clock_ghz": 0},
+     "machine": {"simd": "avx512", "threads": 2, "clock_ghz": 0, "peak_memory_bytes": 0},
      "runs": [{"method": "hom", "parameters": {},
        "frame_ms": {"median": 0, "p95": 0, "min": 0, "max": 0, "total": 0},
        "stage_ms": {"select": 0, "occluders": 0, "pyramid": 0, "cull": 0, "draw": 0},
@@ -118,6 +119,9 @@ fn the_json_holds_every_promised_field() {
     assert_eq!(hom["image_hash"], "0123456789abcdef");
     assert_eq!(hom["visible_set_hash"], "000000000000000f");
     assert_eq!(hom["mean"]["depth_complexity"], 2.0);
+    assert_eq!(given["machine"]["peak_memory_bytes"], 3_u64 << 30);
+    let unknown = json::walk(&WalkReport { peak_memory_bytes: None, ..walk(1) });
+    assert!(unknown["machine"].get("peak_memory_bytes").is_none(), "what the system does not tell is left out");
     assert_eq!(hom["bypassed_frames"], 0);
     assert_eq!(given["runs"][2]["wrongly_culled_objects"], 12);
 }

@@ -14,7 +14,7 @@ use crate::error::Result;
 /// The walk as `walk --json` prints it.
 pub fn walk(report: &WalkReport) -> Value {
     let runs: Vec<Value> = report.runs.iter().map(|run| method_run(report, run)).collect();
-    json!({
+    let mut value = json!({
         "scene": {
             "name": report.scene_name,
             "objects": report.objects,
@@ -27,7 +27,11 @@ pub fn walk(report: &WalkReport) -> Value {
             "clock_ghz": report.clock_ghz,
         },
         "runs": runs,
-    })
+    });
+    if let Some(bytes) = report.peak_memory_bytes {
+        value["machine"]["peak_memory_bytes"] = json!(bytes);
+    }
+    value
 }
 
 fn method_run(report: &WalkReport, run: &MethodRun) -> Value {

@@ -8,6 +8,7 @@ pub mod csv;
 #[cfg(feature = "cli")]
 pub mod json;
 pub mod kernels;
+pub mod memory;
 #[cfg(feature = "image")]
 pub mod picture;
 #[cfg(feature = "cli")]

@@ -101,6 +101,8 @@ pub struct WalkReport {
     pub threads: usize,
     /// The clock in GHz, measured beside the runs.
     pub clock_ghz: f64,
+    /// The process's peak memory in bytes after the walk; `None` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
     /// The methods' runs, in the order asked for.
     pub runs: Vec<MethodRun>,
 }

@@ -120,6 +120,9 @@ fn add_notes(report: &WalkReport, table: &mut Table) {
             frames => table.note(format!("{label}: gave up testing in {frames} frames, nothing hidden")),
         }
     }
+    if let Some(bytes) = report.peak_memory_bytes {
+        table.note(format!("peak memory: {} MiB", grouped(bytes.div_ceil(1 << 20))));
+    }
     if let [first, _, ..] = &report.runs[..] {
         table.note(
             "mean: of the frames' ratios; ratio: of the mean times; exact: objects that are visible; frust: in the frustum;",

@@ -9,6 +9,7 @@ use std::time::Instant;
 use homcull_simd::Level;
 
 use super::clock::clock_ghz;
+use super::memory::peak_memory_bytes;
 use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
 use crate::cull::hom::{self, HomFrame, Rest};
@@ -105,6 +106,7 @@ pub fn walk(
         }
     }
     report.clock_ghz = median(&clocks).unwrap_or(0.0);
+    report.peak_memory_bytes = peak_memory_bytes();
     report.runs = runners.into_iter().map(Runner::finish).collect();
     Ok(report)
 }

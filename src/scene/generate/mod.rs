@@ -3,6 +3,8 @@
 //! Integer hashes draw the numbers, `libm` does the trigonometry, and the number of triangles is met by whole objects.
 
 mod city;
+mod piping;
+mod plant;
 mod solid;
 mod stock;
 mod terrain;
@@ -39,13 +41,20 @@ pub struct Generator {
 /// Most triangles that a generator makes: some 4 GB of scene.
 const MOST_TRIANGLES: u64 = 100_000_000;
 
-static GENERATORS: [Generator; 2] = [
+static GENERATORS: [Generator; 3] = [
     Generator {
         name: "city",
         about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
         seed: 1,
         triangles: 312_524,
         build: city::build,
+    },
+    Generator {
+        name: "plant",
+        about: "a coal-fired power plant: floors, walkways and pipe runs around a boiler; a walk in from a bridge, along the boiler, and out",
+        seed: 1,
+        triangles: 12_748_510,
+        build: plant::build,
     },
     Generator {
         name: "terrain",

@@ -1,9 +1,9 @@
 //! Closed solids, the bricks of the generators: outward faces counter-clockwise, every edge shared by two triangles.
 //!
-//! Each call adds one closed surface, so a mesh of any number of them is watertight piece by piece and can be drawn with
+//! Each call adds one closed surface (`join` those of another), so a mesh of any number of them is watertight piece by piece and can be drawn with
 //! its front faces alone. Coordinates are metres in f32 about the object's own position; trigonometry is `libm`'s.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 use super::super::Mesh;
 
@@ -76,15 +76,8 @@ impl Solid {
         let (first, n) = (self.begin(), low.len() as u32);
         self.positions.extend(low.iter().map(|p| Vec3::new(p.x, y0, p.y)));
         self.positions.extend(high.iter().map(|p| Vec3::new(p.x, y1, p.y)));
-        for i in 0..n {
-            let j = (i + 1) % n;
-            let (a, b, c, d) = (first + i, first + j, first + n + i, first + n + j);
-            self.triangles.extend([[a, b, d], [a, d, c]]);
-        }
-        for i in 1..n.saturating_sub(1) {
-            self.triangles.push([first, first + i + 1, first + i]);
-            self.triangles.push([first + n, first + n + i, first + n + i + 1]);
-        }
+        self.band(first, first + n, n);
+        self.caps(first, first + n, n);
         self
     }
 
@@ -124,6 +117,87 @@ impl Solid {
         }
     }
 
+    /// A skin over `rings` of equal number, at least two, with both ends capped: 2n(k - 1) + 2n - 4 triangles for k rings of n.
+    /// Rings are convex, and turn by the right hand about the way from one to the next.
+    pub fn skin(&mut self, rings: &[Vec<Vec3>]) -> &mut Solid {
+        let (first, n) = (self.begin(), rings.first().map_or(0, Vec::len) as u32);
+        self.positions.extend(rings.iter().flatten());
+        for k in 1..rings.len() as u32 {
+            self.band(first + (k - 1) * n, first + k * n, n);
+        }
+        let last = first + (rings.len() as u32).saturating_sub(1) * n;
+        self.caps(first, last, n);
+        self
+    }
+
+    /// A skin over at least three `rings` whose last joins the first, as a tyre: 2nk triangles. Rings as for [`Solid::skin`].
+    pub fn hoop(&mut self, rings: &[Vec<Vec3>]) -> &mut Solid {
+        let (first, n, count) = (self.begin(), rings.first().map_or(0, Vec::len) as u32, rings.len() as u32);
+        self.positions.extend(rings.iter().flatten());
+        for k in 0..count {
+            self.band(first + k * n, first + (k + 1) % count * n, n);
+        }
+        self
+    }
+
+    /// Turned on a lathe of `n` sides about the y axis: a profile of at least two (radius, y) from the bottom to the top. An
+    /// end of radius 0 is a point, any other is capped; 2n triangles for each step without a point, n for one with it.
+    pub fn lathe(&mut self, n: usize, profile: &[(f32, f32)]) -> &mut Solid {
+        let first = self.begin();
+        let points = |end: Option<&(f32, f32)>| end.is_some_and(|&(radius, _)| radius <= 0.0);
+        let (foot, head) = (points(profile.first()), points(profile.last()));
+        let body = &profile[usize::from(foot)..profile.len() - usize::from(head)];
+        for &(radius, y) in body {
+            self.positions.extend(circle(n, Vec2::ZERO, radius).iter().map(|p| Vec3::new(p.x, y, p.y)));
+        }
+        let n = n as u32;
+        for k in 1..body.len() as u32 {
+            self.band(first + (k - 1) * n, first + k * n, n);
+        }
+        let last = first + (body.len() as u32).saturating_sub(1) * n;
+        self.end(profile.first().filter(|_| foot), first, n, false);
+        self.end(profile.last().filter(|_| head), last, n, true);
+        self
+    }
+
+    /// Closes a ring by a point on the axis, or by a cap.
+    fn end(&mut self, point: Option<&(f32, f32)>, ring: u32, n: u32, upward: bool) {
+        let mut face = |a: u32, b: u32, c: u32| self.triangles.push(if upward { [a, b, c] } else { [a, c, b] });
+        if let Some(&(_, y)) = point {
+            let apex = self.positions.len() as u32;
+            self.positions.push(Vec3::Y * y);
+            (0..n).for_each(|i| face(ring + i, ring + (i + 1) % n, apex));
+        } else {
+            (1..n.saturating_sub(1)).for_each(|i| face(ring, ring + i, ring + i + 1));
+        }
+    }
+
+    /// Closes a first and a last ring of `n` vertices.
+    fn caps(&mut self, first: u32, last: u32, n: u32) {
+        for i in 1..n.saturating_sub(1) {
+            self.triangles.push([first, first + i + 1, first + i]);
+            self.triangles.push([last, last + i, last + i + 1]);
+        }
+    }
+
+    /// The faces between two rings of `n` vertices.
+    fn band(&mut self, low: u32, high: u32, n: u32) {
+        for i in 0..n {
+            let j = (i + 1) % n;
+            let (a, b, c, d) = (low + i, low + j, high + i, high + j);
+            self.triangles.extend([[a, b, d], [a, d, c]]);
+        }
+    }
+
+    /// Adds the surfaces of another solid, turned (not mirrored) and then shifted.
+    pub fn join(&mut self, part: &Solid, turn: Mat3, shift: Vec3) -> &mut Solid {
+        let (first, faces) = (self.positions.len(), self.triangles.len());
+        self.surfaces.extend(part.surfaces.iter().map(|&(p, t)| (p + first, t + faces)));
+        self.positions.extend(part.positions.iter().map(|&p| turn * p + shift));
+        self.triangles.extend(part.triangles.iter().map(|triangle| triangle.map(|i| i + first as u32)));
+        self
+    }
+
     /// A flat rectangle that faces up, not closed: 2 triangles of ground.
     pub fn patch(&mut self, min: Vec2, max: Vec2, y: f32) -> &mut Solid {
         let first = self.begin();
@@ -155,4 +229,14 @@ pub(super) fn circle(n: usize, at: Vec2, radius: f32) -> Vec<Vec2> {
         at + Vec2::new(libm::sin(angle) as f32, libm::cos(angle) as f32) * radius
     };
     (0..n).map(corner).collect()
+}
+
+/// The rotation that takes the y axis, along which solids are made, to the unit vector `axis`; exact for the six along the axes.
+pub(super) fn upright_to(axis: Vec3) -> Mat3 {
+    if axis == Vec3::Y {
+        return Mat3::IDENTITY;
+    }
+    let aside = if axis.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
+    let x = aside.cross(axis).normalize();
+    Mat3::from_cols(x, axis, x.cross(axis))
 }

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::super::random::Random;
 use super::Generated;
 use super::solid::Solid;
-use super::stock::{Rank, Stock};
+use super::stock::{Rank, Spare, Stock};
 use crate::view::{CameraPath, PathKey};
 
 /// Cells of a tile, each way, and the length of a cell in metres.
@@ -36,8 +36,8 @@ pub(super) fn build(seed: u64, triangles: u64) -> Generated {
         shapes.place(&mut stock, &mut random, count, DVec3::new(x, hills.height(x, z) - 0.15, z));
         count += 1;
     }
-    let spare = DVec3::new(0.0, hills.height(0.0, 0.0), 0.0);
-    let scene = stock.settle("terrain", triangles, seed, spare);
+    let spare = Spare::obelisk(DVec3::new(0.0, hills.height(0.0, 0.0), 0.0));
+    let scene = stock.settle("terrain", triangles, seed, &spare);
     Generated { scene, path: walk(&hills, half), frames: 120 }
 }
 

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3, Vec2};
 use super::super::random::Random;
 use super::Generated;
 use super::solid::Solid;
-use super::stock::{Rank, Stock};
+use super::stock::{Rank, Spare, Stock};
 use building::{Site, civic, hall, round_tower, slab, terrace_house, tower, villa};
 use facade::Side;
 use plan::{Block, DISTRICTS, Plan, Plot, Style};
@@ -37,8 +37,8 @@ pub(super) fn build(seed: u64, triangles: u64) -> Generated {
         (plan, stock, top) = offer(seed, step);
     }
     let border = plan.bounds();
-    let spare = DVec3::new(border.min.x - 20.0, 0.0, border.middle().y);
-    let scene = stock.settle("city", triangles, seed, spare);
+    let position = DVec3::new(border.min.x - 20.0, 0.0, border.middle().y);
+    let scene = stock.settle("city", triangles, seed, &Spare::obelisk(position));
     Generated { scene, path: walk::walk(&plan, f64::from(top)), frames: 240 }
 }
 
