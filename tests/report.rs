@@ -55,6 +55,7 @@ fn frame(number: usize, cost: f64, share: f64) -> FrameRecord {
             cull: whole * 0.07,
             draw: whole * 0.7,
         },
+        pipeline_ms: None,
         objects_in_frustum: 2100,
         objects_drawn: (2100.0 * share) as u32,
         objects_visible_exact: Some(205),

@@ -7,15 +7,17 @@
 //! since every frame is conservative by itself, resting can't be seen. Both go by counts, never by clocks.
 //! With thresholds at 1 and the display's samples all of them are conservative: the picture stays the same, bit for bit.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use homcull_simd::Level;
 
 use super::method::{HomParameters, Selection, Update};
 use super::vfc::World;
-use super::{VisibleSet, progressive};
-use crate::error::Result;
+use super::{Feedback, FeedbackLine, VisibleSet, progressive};
+use crate::error::{Error, Result};
 use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes, Thresholds};
-use crate::select::{select_by_distance, select_by_z_plane};
+use crate::select::{Measure, select_by_distance, select_by_z_plane, temporal_candidates};
 use crate::view::{View, Viewport};
 use crate::workers::Workers;
 
@@ -23,95 +25,122 @@ use crate::workers::Workers;
 /// next to nothing to hide are left alone.
 const GAIN_OVER_COST: u64 = 4;
 
-/// How long culling still rests. The first rest is one frame; as long as frames keep hiding next to nothing, each is twice as
-/// long as the one before, up to the parameter `rest`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Rest {
-    left: u32,
-    in_a_row: u32,
-}
-
-impl Rest {
-    /// After a frame that was culled.
-    fn after(self, paid: bool, longest: u32) -> Rest {
-        if paid {
-            return Rest::default();
-        }
-        Rest { left: longest.min(1 << self.in_a_row.min(30)), in_a_row: self.in_a_row + 1 }
-    }
-}
-
 /// Tests between two looks at the bypass counter: batches of the input order.
 pub const BYPASS_BATCH: usize = 64;
 
-/// The occlusion buffer and the boxes of one frame, handed from stage to stage and back for the next frame.
-pub struct HomFrame {
-    /// What occluders cover.
-    pub buffer: OcclusionBuffer,
-    /// The view as the buffer has it: at its own resolution.
+/// Boxes that one thread tests in one go where there are several threads: a multiple of [`BYPASS_BATCH`].
+const JOB: usize = 4 * BYPASS_BATCH;
+/// Such goes a thread between two looks at the bypass counter: what is tested in vain stays small.
+const JOBS_A_THREAD: usize = 2;
+
+/// What OccSel makes of a frame: what is in the frustum, and the occluders chosen. It stands apart from the occlusion
+/// buffer, so that OccSel can be ahead of the stages that use one.
+pub struct Selected {
+    /// The view at the resolution of the occlusion buffer.
     pub view: View,
     pub(crate) boxes: ProjectedBoxes,
     pub(crate) stack: Vec<(u32, u8)>,
     chosen: Vec<u32>,
     occluders: Vec<Occluder>,
-    hidden: Vec<bool>,
-    /// How long culling still rests, and whether it does in this frame.
-    rest: Rest,
+    /// What the frame hears before it is culled, what it tells after.
+    pub(crate) feedback: Feedback,
+    /// Whether culling rests in this frame.
     resting: bool,
+    /// Whether the frame is culled through the hierarchy, progressively.
+    walks_tree: bool,
+}
+
+impl Selected {
+    /// For frames of one size.
+    pub(crate) fn new(view: &View, viewport: Viewport) -> Selected {
+        Selected {
+            view: view.resized(viewport),
+            boxes: ProjectedBoxes::new(),
+            stack: Vec::new(),
+            chosen: Vec::new(),
+            occluders: Vec::new(),
+            feedback: Feedback::default(),
+            resting: false,
+            walks_tree: false,
+        }
+    }
+
+    /// Clears a buffer for this frame's occluders.
+    ///
+    /// # Errors
+    /// Those of [`OcclusionBuffer::begin`].
+    pub(crate) fn begin(&self, buffer: &mut OcclusionBuffer) -> Result<()> {
+        if self.resting { Ok(()) } else { buffer.begin(&self.view) }
+    }
+
+    /// Ids of the occluders chosen before anything is tested, in the order of choice.
+    pub fn occluders(&self) -> &[u32] {
+        &self.chosen
+    }
+}
+
+/// The occlusion buffer and the boxes of one frame, handed from stage to stage and back for the next frame.
+pub struct HomFrame {
+    /// What occluders cover.
+    pub buffer: OcclusionBuffer,
+    /// What OccSel made.
+    pub selected: Selected,
+    tests: Vec<Tests>,
+    line: FeedbackLine,
+}
+
+/// Tests of a stretch of the boxes, on one thread.
+#[derive(Default)]
+struct Tests {
+    range: Range<usize>,
+    hidden: Vec<bool>,
+    failed: Option<Error>,
 }
 
 impl HomFrame {
     /// A frame for views of one size.
     ///
     /// # Errors
-    /// As for [`OcclusionBuffer::with_level`] and [`Thresholds::uniform`].
+    /// As for [`OcclusionBuffer::with_level`], [`Thresholds::uniform`] and [`HomParameters::check`].
     pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
+        parameters.check()?;
         let viewport = parameters.resolution.unwrap_or(view.viewport());
         let thresholds = match parameters.threshold {
             1.0 => Thresholds::conservative(),
             t => Thresholds::uniform(t)?,
         };
         let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };
+        let buffer = OcclusionBuffer::with_level(viewport, level, settings)?;
         Ok(HomFrame {
-            buffer: OcclusionBuffer::with_level(viewport, level, settings)?,
-            view: view.resized(viewport),
-            boxes: ProjectedBoxes::new(),
-            stack: Vec::new(),
-            chosen: Vec::new(),
-            occluders: Vec::new(),
-            hidden: Vec::new(),
-            rest: Rest::default(),
-            resting: false,
+            buffer,
+            selected: Selected::new(view, viewport),
+            tests: Vec::new(),
+            line: FeedbackLine::new(parameters.lag()),
         })
     }
 
-    /// Ends a rest: for a teleport, or another scene.
+    /// Forgets all earlier frames: for a teleport, or another scene.
     pub fn reset(&mut self) {
-        self.rest = Rest::default();
+        self.line.reset();
     }
 
-    /// How long culling still rests.
-    pub fn rest(&self) -> Rest {
-        self.rest
+    /// What earlier frames tell later ones.
+    pub fn memory(&self) -> &FeedbackLine {
+        &self.line
     }
 
-    /// Takes back to where [`HomFrame::rest`] was: for drawing a frame again.
-    pub fn set_rest(&mut self, rest: Rest) {
-        self.rest = rest;
+    /// Takes back to where [`HomFrame::memory`] was: for drawing a frame again.
+    pub fn set_memory(&mut self, memory: &FeedbackLine) {
+        self.line.clone_from(memory);
     }
 
     /// The boxes in the frustum.
     pub fn boxes(&self) -> &ProjectedBoxes {
-        &self.boxes
-    }
-
-    fn viewport(&self, view: &View) -> Viewport {
-        let (width, height) = self.buffer.size();
-        Viewport::new(width, height).unwrap_or(view.viewport())
+        &self.selected.boxes
     }
 }
 
-/// OccSel, first half: begins the view, finds what is in the frustum, and chooses occluders (7.3). Multi-pass and progressive
+/// OccSel: begins the view, finds what is in the frustum, and chooses occluders (7.3, 7.4). Multi-pass and progressive
 /// choose none: there everything visible occludes.
 ///
 /// # Errors
@@ -123,66 +152,90 @@ pub fn select_occluders(
     parameters: &HomParameters,
     frame: HomFrame,
 ) -> Result<HomFrame> {
-    let mut frame = frame;
-    frame.view = view.resized(frame.viewport(view));
-    frame.resting = frame.rest.left > 0;
-    if frame.resting {
-        world.collect(level, view, false, &mut frame.stack, &mut frame.boxes);
-        return Ok(frame);
+    let HomFrame { mut buffer, mut selected, tests, mut line } = frame;
+    line.settle();
+    selected.feedback = line.begin();
+    let selected = select(world, level, view, parameters, walks_tree(parameters, &buffer), selected);
+    selected.begin(&mut buffer)?;
+    Ok(HomFrame { buffer, selected, tests, line })
+}
+
+/// Whether frames are culled through the hierarchy: progressively, with thresholds of 1.
+pub(crate) fn walks_tree(parameters: &HomParameters, buffer: &OcclusionBuffer) -> bool {
+    parameters.update == Update::Always && buffer.settings().thresholds.is_conservative()
+}
+
+/// OccSel without a buffer.
+pub(crate) fn select(
+    world: &World<'_>,
+    level: Level,
+    view: &View,
+    parameters: &HomParameters,
+    walks_tree: bool,
+    selected: Selected,
+) -> Selected {
+    let mut selected = selected;
+    selected.view = view.resized(selected.view.viewport());
+    selected.resting = selected.feedback.rest.is_on();
+    selected.walks_tree = walks_tree;
+    selected.chosen.clear();
+    selected.occluders.clear();
+    if selected.resting {
+        world.collect(level, view, false, &mut selected.stack, &mut selected.boxes);
+        return selected;
     }
-    frame.buffer.begin(&frame.view)?;
-    frame.occluders.clear();
-    let walks_tree = parameters.update == Update::Always && frame.buffer.settings().thresholds.is_conservative();
     if walks_tree {
-        frame.boxes.clear();
-        return Ok(frame);
+        selected.boxes.clear();
+        return selected;
     }
-    world.collect(level, &frame.view, true, &mut frame.stack, &mut frame.boxes);
-    if parameters.update != Update::Once {
-        return Ok(frame);
+    world.collect(level, &selected.view, true, &mut selected.stack, &mut selected.boxes);
+    if parameters.update == Update::Once {
+        choose(world, view, parameters, &mut selected);
     }
+    selected
+}
+
+/// Chooses occluders among what is in the frustum.
+fn choose(world: &World<'_>, view: &View, parameters: &HomParameters, selected: &mut Selected) {
+    let Selected { boxes, chosen, occluders, feedback, .. } = selected;
     let scene = world.scene;
-    let candidates = frame.boxes.boxes().iter().map(|b| b.id()).filter(|&id| scene.occluders[id as usize].opaque);
+    let candidates = boxes.boxes().iter().map(|b| b.id()).filter(|&id| scene.occluders[id as usize].opaque);
     let eye = (view.eye() - scene.origin).as_vec3();
+    let (triangles, limit) = (|id| u64::from(scene.triangles(id)), parameters.occluder_triangles);
     match parameters.select {
         Selection::Distance(measure) => {
-            let triangles = |id| u64::from(scene.triangles(id));
-            select_by_distance(
-                candidates,
-                &scene.bounds,
-                eye,
-                measure,
-                triangles,
-                parameters.occluder_triangles,
-                &mut frame.chosen,
-            );
+            select_by_distance(candidates, &scene.bounds, eye, measure, triangles, limit, chosen);
+        }
+        Selection::Temporal => {
+            let candidates = temporal_candidates(candidates, &feedback.occluded);
+            select_by_distance(candidates, &scene.bounds, eye, Measure::Center, triangles, limit, chosen);
         }
         Selection::ZPlane(distance) => {
             let w = view.rows()[2].truncate().as_vec3();
             let forward = if w == Vec3::ZERO { -view.rows()[3].truncate().as_vec3() } else { w };
-            select_by_z_plane(candidates, &scene.bounds, eye, forward.normalize_or_zero(), distance, &mut frame.chosen);
+            select_by_z_plane(candidates, &scene.bounds, eye, forward.normalize_or_zero(), distance, chosen);
         }
     }
-    frame.occluders.extend(frame.chosen.iter().map(|&id| scene.occluders[id as usize]));
-    Ok(frame)
+    occluders.extend(chosen.iter().map(|&id| scene.occluders[id as usize]));
 }
 
-/// OccSel, second half: draws the chosen occluders, in bands on the workers' threads.
+/// OccDraw: draws the chosen occluders, in bands on the workers' threads.
 ///
 /// # Errors
 /// Those of [`OcclusionBuffer::submit`].
 pub fn draw_occluders(world: &World<'_>, workers: &Workers, frame: HomFrame) -> Result<HomFrame> {
     let mut frame = frame;
-    frame.buffer.pyramid_deferred = true;
+    let HomFrame { buffer, selected, .. } = &mut frame;
+    buffer.pyramid_deferred = true;
     let meshes = &world.scene.meshes;
-    if frame.resting || frame.occluders.is_empty() {
+    if selected.resting || selected.occluders.is_empty() {
         return Ok(frame);
     }
     if workers.threads() == 1 {
-        frame.buffer.submit(meshes, &frame.occluders)?;
+        buffer.submit(meshes, &selected.occluders)?;
     } else {
         let run = |jobs: &mut [BandJob<'_>]| workers.run(jobs, BandJob::run);
-        frame.buffer.submit_in_bands(meshes, &frame.occluders, workers.bands(), run)?;
+        buffer.submit_in_bands(meshes, &selected.occluders, workers.bands(), run)?;
     }
     Ok(frame)
 }
@@ -195,25 +248,49 @@ pub fn build_pyramid(frame: HomFrame) -> HomFrame {
     frame
 }
 
-/// Cull: tests what is in the frustum, nearest first. Gives the visible set, and the frame back.
+/// Cull: tests what is in the frustum, nearest first. Gives the visible set, and the frame back. One pass tests on the
+/// workers' threads (8.1); multi-pass and progressive test in the caller's, since there each test needs those before it.
 ///
 /// # Errors
 /// Those of the buffer.
-pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> Result<(VisibleSet, HomFrame)> {
+pub fn cull(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: HomFrame,
+) -> Result<(VisibleSet, HomFrame)> {
+    let (set, mut frame) = cull_selected(world, workers, parameters, frame)?;
+    frame.line.tell(std::mem::take(&mut frame.selected.feedback));
+    Ok((set, frame))
+}
+
+/// Cull, with what the frame tells left in it.
+pub(crate) fn cull_selected(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: HomFrame,
+) -> Result<(VisibleSet, HomFrame)> {
     let mut frame = frame;
-    if frame.resting {
-        frame.rest.left -= 1;
-        return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.boxes) }, frame));
+    frame.selected.feedback.occluded.forget();
+    let rest = frame.selected.feedback.rest;
+    if frame.selected.resting {
+        frame.selected.feedback.rest = rest.shorter();
+        return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.selected.boxes) }, frame));
     }
-    let conservative = frame.buffer.settings().thresholds.is_conservative();
     let set = match parameters.update {
-        Update::Once => one_pass(world, parameters, &mut frame)?,
-        Update::Always if conservative => progressive::cull(world, parameters, &mut frame),
+        Update::Once => one_pass(world, workers, parameters, &mut frame)?,
+        Update::Always if frame.selected.walks_tree => progressive::cull(world, parameters, &mut frame),
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
-    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= frame.buffer.counts().triangles;
-    frame.rest = frame.rest.after(paid, parameters.rest);
+    // Not the rasterizer's count for one pass: that is by bands, and so by threads.
+    let occluders = match parameters.update {
+        Update::Once => world.triangles(frame.selected.occluders()),
+        Update::Always | Update::Batches(_) => frame.buffer.counts().triangles,
+    };
+    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= occluders;
+    frame.selected.feedback.rest = rest.after(paid, parameters.rest);
     Ok((set, frame))
 }
 
@@ -238,31 +315,75 @@ impl Bypass {
     }
 }
 
-fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, hidden, .. } = frame;
-    let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
+/// Tests all boxes, stretch by stretch, several at a time where there are threads. Verdicts are counted in the input order and
+/// the bypass is decided between its batches, so that neither depends on the threads.
+fn one_pass(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: &mut HomFrame,
+) -> Result<VisibleSet> {
+    let HomFrame { buffer, selected: Selected { boxes, feedback, .. }, tests, .. } = frame;
+    let (buffer, boxes) = (&*buffer, &*boxes);
+    let (scene, n) = (world.scene, boxes.len());
+    if parameters.select == Selection::Temporal {
+        feedback.occluded.clear(scene.occluders.len());
+    }
+    let mut set = VisibleSet { in_frustum: n as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
-    for from in (0..boxes.len()).step_by(BYPASS_BATCH) {
-        let batch = from..(from + BYPASS_BATCH).min(boxes.len());
-        if set.bypassed {
-            hidden.clear();
-            hidden.resize(batch.len(), false);
-        } else {
-            buffer.test_projected(boxes, batch.clone(), &world.scene.bounds, world.scene.origin, hidden)?;
-            set.queries += batch.len() as u64;
-        }
-        for (b, &hidden) in boxes.boxes()[batch].iter().zip(&*hidden) {
-            set.triangles_in_frustum += u64::from(world.scene.triangles(b.id()));
-            bypass.saw(hidden);
-            if hidden {
-                set.triangles_hidden += u64::from(world.scene.triangles(b.id()));
-            } else {
-                set.objects.push(b.id());
+    let mut from = 0;
+    while from < n && !set.bypassed {
+        let tests = lay_out(tests, from, n, workers.threads());
+        workers.run(tests, |t| {
+            let range = t.range.clone();
+            t.failed = buffer.test_projected(boxes, range, &scene.bounds, scene.origin, &mut t.hidden).err();
+        });
+        for t in tests {
+            t.failed.take().map_or(Ok(()), Err)?;
+            for hidden in t.hidden.chunks(BYPASS_BATCH) {
+                if set.bypassed {
+                    break;
+                }
+                let batch = &boxes.boxes()[from..from + hidden.len()];
+                for (b, &hidden) in batch.iter().zip(hidden) {
+                    count(world, &mut set, b.id(), hidden);
+                    bypass.saw(hidden);
+                    if hidden {
+                        feedback.occluded.insert(b.id());
+                    }
+                }
+                set.queries += hidden.len() as u64;
+                from += hidden.len();
+                set.bypassed = bypass.is_due();
             }
         }
-        set.bypassed |= bypass.is_due();
     }
+    boxes.boxes()[from..].iter().for_each(|b| count(world, &mut set, b.id(), false));
     Ok(set)
+}
+
+/// Cuts what comes next of `n` boxes into stretches: one batch for one thread, some longer ones for several.
+fn lay_out(tests: &mut Vec<Tests>, from: usize, n: usize, threads: usize) -> &mut [Tests] {
+    let (length, most) = if threads == 1 { (BYPASS_BATCH, 1) } else { (JOB, JOBS_A_THREAD * threads) };
+    if tests.len() < most {
+        tests.resize_with(most, Tests::default);
+    }
+    let tests = &mut tests[..(n - from).div_ceil(length).min(most)];
+    for (i, t) in tests.iter_mut().enumerate() {
+        let start = from + i * length;
+        t.range = start..(start + length).min(n);
+    }
+    tests
+}
+
+fn count(world: &World<'_>, set: &mut VisibleSet, id: u32, hidden: bool) {
+    let triangles = u64::from(world.scene.triangles(id));
+    set.triangles_in_frustum += triangles;
+    if hidden {
+        set.triangles_hidden += triangles;
+    } else {
+        set.objects.push(id);
+    }
 }
 
 fn multi_pass(
@@ -271,7 +392,7 @@ fn multi_pass(
     update_triangles: u64,
     frame: &mut HomFrame,
 ) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, occluders, .. } = frame;
+    let HomFrame { buffer, selected: Selected { boxes, occluders, .. }, .. } = frame;
     let scene = world.scene;
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);

@@ -34,6 +34,8 @@ pub enum Selection {
     Distance(Measure),
     /// All that reach nearer than this distance along the view direction.
     ZPlane(f32),
+    /// By distance, among the candidates that temporal coherence leaves (7.4, equation 7.1).
+    Temporal,
 }
 
 /// Parameters of the hom methods.
@@ -55,7 +57,16 @@ pub struct HomParameters {
     pub bypass_after: u32,
     /// Frames that culling rests after one that hid next to nothing; 0 never rests.
     pub rest: u32,
+    /// Whether OccSel, Cull and Draw of consecutive frames overlap, on threads of their own (8.1).
+    pub pipeline: bool,
+    /// Frames until what a frame found is heard: 1 to [`MAX_LAG`]; see [`HomParameters::lag`].
+    pub lag: Option<u32>,
 }
+
+/// The least lag of feedback in the pipeline: OccSel for frame N + 2 starts before Cull for frame N ends.
+pub const PIPELINE_LAG: u32 = 3;
+/// The greatest lag: a second of frames.
+pub const MAX_LAG: u32 = 60;
 
 /// Update size of `hom-multipass`, in triangles.
 pub const DEFAULT_UPDATE_TRIANGLES: u64 = 2_000;
@@ -79,7 +90,30 @@ impl HomParameters {
             threshold: 1.0,
             bypass_after: DEFAULT_BYPASS,
             rest: DEFAULT_REST,
+            pipeline: false,
+            lag: None,
         }
+    }
+
+    /// Frames until what a frame found is heard: unless chosen, 1 in turn and [`PIPELINE_LAG`] in the pipeline.
+    pub fn lag(&self) -> u32 {
+        self.lag.unwrap_or(if self.pipeline { PIPELINE_LAG } else { 1 })
+    }
+
+    /// Whether the parameters can be had together.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a lag out of range.
+    pub fn check(&self) -> Result<()> {
+        let least = if self.pipeline { PIPELINE_LAG } else { 1 };
+        if (least..=MAX_LAG).contains(&self.lag()) {
+            return Ok(());
+        }
+        Err(Error::parameter(
+            "lag",
+            self.lag(),
+            format!("{least} to {MAX_LAG} with pipeline={}", on_off(self.pipeline)),
+        ))
     }
 
     /// True when the picture is guaranteed to stay the same.
@@ -103,8 +137,8 @@ pub struct MethodDescription {
     pub when: &'static str,
 }
 
-const HOM_PARAMETERS: &str =
-    "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15";
+const HOM_PARAMETERS: &str = "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
+     lag=1 (3 with pipeline=on)";
 
 /// All methods.
 pub fn methods() -> &'static [MethodDescription] {
@@ -120,9 +154,9 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom",
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: "select=distance|nearest|zplane, occluder-triangles=25000, z=50, update=once|batches|always, and: \
+            parameters: "select=distance|nearest|zplane|temporal, occluder-triangles=25000, z=50, update=once|batches|always, and: \
                          depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, \
-                         rest=15",
+                         rest=15, pipeline=off|on, lag=1 (3 with pipeline=on)",
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
         },
         MethodDescription {
@@ -171,6 +205,9 @@ impl Method {
             let (key, value) =
                 part.split_once('=').ok_or_else(|| Error::parameter("method parameter", part, "must be key=value"))?;
             method.set(name, key, value)?;
+        }
+        if let Method::Hom(parameters) = &method {
+            parameters.check()?;
         }
         Ok(method)
     }
@@ -229,7 +266,8 @@ impl HomParameters {
             ("select", "distance") => self.select = Selection::Distance(Measure::Center),
             ("select", "nearest") => self.select = Selection::Distance(Measure::Nearest),
             ("select", "zplane") => self.select = Selection::ZPlane(DEFAULT_Z_PLANE),
-            ("select", _) => return Err(bad("distance, nearest or zplane")),
+            ("select", "temporal") => self.select = Selection::Temporal,
+            ("select", _) => return Err(bad("distance, nearest, zplane or temporal")),
             ("z", _) => {
                 let z = value
                     .parse::<f32>()
@@ -252,6 +290,14 @@ impl HomParameters {
                 let n = number("a number of frames")?;
                 self.rest = u32::try_from(n).map_err(|_| bad("0 to 4294967295"))?;
             }
+            ("pipeline", "on") => self.pipeline = true,
+            ("pipeline", "off") => self.pipeline = false,
+            ("pipeline", _) => return Err(bad("off or on")),
+            ("lag", _) => {
+                let n = number("a number of frames")?;
+                let n = u32::try_from(n).ok().filter(|n| (1..=MAX_LAG).contains(n));
+                self.lag = Some(n.ok_or_else(|| bad(&format!("1 to {MAX_LAG}")))?);
+            }
             _ => return Err(unknown()),
         }
         Ok(())
@@ -266,11 +312,14 @@ impl HomParameters {
                     Selection::Distance(Measure::Center) => "distance",
                     Selection::Distance(Measure::Nearest) => "nearest",
                     Selection::ZPlane(_) => "zplane",
+                    Selection::Temporal => "temporal",
                 };
                 out.push(("select", select.into()));
                 match self.select {
                     Selection::ZPlane(z) => out.push(("z", z.to_string())),
-                    Selection::Distance(_) => out.push(("occluder-triangles", self.occluder_triangles.to_string())),
+                    Selection::Distance(_) | Selection::Temporal => {
+                        out.push(("occluder-triangles", self.occluder_triangles.to_string()))
+                    }
                 }
             }
             Update::Batches(n) => out.push(("update-triangles", n.to_string())),
@@ -282,8 +331,14 @@ impl HomParameters {
         out.push(("threshold", self.threshold.to_string()));
         out.push(("bypass", self.bypass_after.to_string()));
         out.push(("rest", self.rest.to_string()));
+        out.push(("pipeline", on_off(self.pipeline).into()));
+        out.push(("lag", self.lag().to_string()));
         out.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
     }
+}
+
+fn on_off(on: bool) -> &'static str {
+    if on { "on" } else { "off" }
 }
 
 fn parse_resolution(value: &str) -> Result<Viewport> {

@@ -4,6 +4,7 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+mod feedback;
 pub mod frustum;
 pub mod hom;
 pub mod ideal;
@@ -11,7 +12,9 @@ mod method;
 mod progressive;
 pub mod vfc;
 
-pub use method::{HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub(crate) use feedback::Feedback;
+pub use feedback::FeedbackLine;
+pub use method::{HomParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods};
 
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
