@@ -353,6 +353,18 @@ fn tests_spread_over_threads_give_the_same_set_and_counts() {
 }
 
 #[test]
+fn rests_do_not_depend_on_threads() {
+    // Some frames pay when triangles are counted once, and would not if they were counted once a band.
+    let ground = ground("city:triangles=30000", 12, (240, 160));
+    let (parameters, inputs) = (parameters("hom"), inputs(&ground.views, &[]));
+    let should = given(&ground, 1, &parameters, &inputs);
+    assert!(should.iter().any(|g| !g.0.bypassed), "no frame is culled");
+    for threads in [2, 3] {
+        assert!(given(&ground, threads, &parameters, &inputs) == should, "{threads} threads");
+    }
+}
+
+#[test]
 fn a_view_of_another_size_is_reported_and_what_was_complete_stays() {
     let ground = ground("city:triangles=5000", 6, (64, 48));
     for method in ["hom", "hom:pipeline=on"] {
