@@ -55,7 +55,7 @@ fn hierarchy(bencher: Bencher<'_, '_>, case: &Case) {
         for view in views {
             let frame = kept.take().expect("the frame is handed back");
             let frame = hom::select_occluders(&world, case.level, view, &parameters, frame).expect("a possible view");
-            let (set, frame) = hom::cull(&world, &parameters, frame).expect("a begun view");
+            let (set, frame) = hom::cull(&world, &stage.workers, &parameters, frame).expect("a begun view");
             divan::black_box(set);
             kept = Some(frame);
         }

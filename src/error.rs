@@ -50,6 +50,15 @@ pub enum Error {
     },
     /// A SIMD level was asked for that this CPU lacks.
     SimdLevel(String),
+    /// A stage of the pipeline failed: with an error of its own, by a panic, or because its thread could not be started.
+    Stage {
+        /// `OccSel`, `OccDraw`, `Cull`, `FinalDraw`; or `Draw`, for what the caller does between the stages.
+        stage: &'static str,
+        /// The frame that it was at, from 0.
+        frame: usize,
+        /// What happened.
+        reason: String,
+    },
 }
 
 /// `Result` with this crate's [`Error`].
@@ -65,6 +74,7 @@ impl fmt::Display for Error {
             Error::View(reason) => write!(f, "view: {reason}"),
             Error::Size { width, height } => write!(f, "size {width}x{height}: each side must be 1 to 16384"),
             Error::Parameter { name, value, reason } => write!(f, "{name} '{value}': {reason}"),
+            Error::Stage { stage, frame, reason } => write!(f, "{stage} of frame {frame}: {reason}"),
             Error::SimdLevel(level) => write!(f, "SIMD level '{level}': this CPU does not have it"),
         }
     }

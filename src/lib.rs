@@ -78,6 +78,7 @@
 //! | [`occlusion`] | occlusion maps, overlap test, depth test, and [`OcclusionBuffer`](occlusion::OcclusionBuffer), their face |
 //! | [`scene`] | meshes, objects, loaders, generators; the hierarchy over them (feature `bvh`) |
 //! | `select`, `cull` | occluder selection; the culling methods, one file each (feature `bvh`) |
+//! | `pipeline` | the stages OccSel, Cull and Draw on threads or in turn (feature `bvh`) |
 //! | [`draw`] | the final draw on the CPU, and the exact item buffer that errors are measured against |
 //! | [`measure`], `cli` | walks, kernels, reports, plots; the program (feature `cli`) |
 //!
@@ -103,6 +104,8 @@ pub mod geometry;
 pub mod hash;
 pub mod measure;
 pub mod occlusion;
+#[cfg(feature = "bvh")]
+pub mod pipeline;
 pub mod raster;
 pub mod scene;
 #[cfg(feature = "bvh")]

@@ -331,7 +331,7 @@ fn given_meshes_occlude_and_must_fit_their_boxes() {
     assert_eq!(frame.chosen(), [0]);
     let workers = Workers::new(1).unwrap();
     let frame = hom::draw_occluders(&world, &workers, frame).unwrap();
-    let (set, frame) = hom::cull(&world, &parameters, hom::build_pyramid(frame)).unwrap();
+    let (set, frame) = hom::cull(&world, &workers, &parameters, hom::build_pyramid(frame)).unwrap();
     assert_eq!(frame.buffer.counts().triangles, 2, "the board was drawn, not the slats");
     assert_eq!(set.objects, [0], "the box behind the board is hidden");
 }

@@ -21,6 +21,7 @@ use homcull::hash::Hash;
 use homcull::occlusion::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProjectedBoxes};
 use homcull::scene::{Generated, Generator, PreparedScene, generators, parse};
 use homcull::view::{View, Viewport};
+use homcull::workers::Workers;
 use homcull_simd::Level;
 use serde_json::{Map, Value, json};
 
@@ -205,14 +206,14 @@ fn progressive(scene: &PreparedScene, views: &[View], level: Level) -> Value {
 
 /// The same through the hierarchy, as the method does it; without rests, so that every frame counts.
 fn through_the_hierarchy(scene: &PreparedScene, views: &[View], level: Level) -> Value {
-    let world = World::new(scene);
+    let (world, workers) = (World::new(scene), Workers::new(1).unwrap());
     let parameters = HomParameters { rest: 0, ..HomParameters::new(Update::Always) };
     let mut frame = HomFrame::new(&views[0], level, &parameters).unwrap();
     let (mut queries, mut drawn, mut bypassed) = (0, 0, 0);
     for view in views {
         frame = hom::select_occluders(&world, level, view, &parameters, frame).unwrap();
         let set;
-        (set, frame) = hom::cull(&world, &parameters, frame).unwrap();
+        (set, frame) = hom::cull(&world, &workers, &parameters, frame).unwrap();
         queries += set.queries;
         drawn += set.objects.len();
         bypassed += u32::from(set.bypassed);

@@ -7,14 +7,15 @@
 //! since every frame is conservative by itself, resting can't be seen. Both go by counts, never by clocks.
 //! With thresholds at 1 and the display's samples all of them are conservative: the picture stays the same, bit for bit.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use homcull_simd::Level;
 
-use super::method::{HomParameters, Update};
+use super::method::{HomParameters, Selection, Update};
 use super::vfc::World;
-use super::{OccluderSources, VisibleSet, progressive};
-use crate::error::Result;
+use super::{Feedback, FeedbackLine, OccluderSources, VisibleSet, progressive};
+use crate::error::{Error, Result};
 use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes, Thresholds};
 use crate::scene::PreparedScene;
 use crate::select::WalkMemory;
@@ -25,61 +26,39 @@ use crate::workers::Workers;
 /// next to nothing to hide are left alone.
 const GAIN_OVER_COST: u64 = 4;
 
-/// How long culling still rests. The first rest is one frame; as long as frames keep hiding next to nothing, each is twice as
-/// long as the one before, up to the parameter `rest`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Rest {
-    left: u32,
-    in_a_row: u32,
-}
-
-impl Rest {
-    /// After a frame that was culled.
-    fn after(self, paid: bool, longest: u32) -> Rest {
-        if paid {
-            return Rest::default();
-        }
-        Rest { left: longest.min(1 << self.in_a_row.min(30)), in_a_row: self.in_a_row + 1 }
-    }
-}
-
 /// Tests between two looks at the bypass counter: batches of the input order.
 pub const BYPASS_BATCH: usize = 64;
 
-/// The occlusion buffer and the boxes of one frame, handed from stage to stage and back for the next frame.
-pub struct HomFrame {
-    /// What occluders cover.
-    pub buffer: OcclusionBuffer,
-    /// The view as the buffer has it: at its own resolution.
+/// Boxes that one thread tests in one go where there are several threads: a multiple of [`BYPASS_BATCH`].
+const JOB: usize = 4 * BYPASS_BATCH;
+/// Such goes a thread between two looks at the bypass counter: what is tested in vain stays small.
+const JOBS_A_THREAD: usize = 2;
+
+/// What OccSel makes of a frame: what is in the frustum, and the occluders chosen. It stands apart from the occlusion
+/// buffer, so that OccSel can be ahead of the stages that use one.
+pub struct Selected {
+    /// The view at the resolution of the occlusion buffer.
     pub view: View,
     pub(crate) boxes: ProjectedBoxes,
     pub(crate) stack: Vec<(u32, u8)>,
     /// What occluders are chosen from: made at the first frame, or given beforehand.
-    sources: Option<Arc<OccluderSources>>,
+    pub(crate) sources: Option<Arc<OccluderSources>>,
     walk: WalkMemory,
     chosen: Vec<u32>,
     snapped: Option<usize>,
     occluders: Vec<Occluder>,
-    hidden: Vec<bool>,
-    /// How long culling still rests, and whether it does in this frame.
-    rest: Rest,
+    /// What the frame hears before it is culled, what it tells after.
+    pub(crate) feedback: Feedback,
+    /// Whether culling rests in this frame.
     resting: bool,
+    /// Whether the frame is culled through the hierarchy, progressively.
+    walks_tree: bool,
 }
 
-impl HomFrame {
-    /// A frame for views of one size.
-    ///
-    /// # Errors
-    /// As for [`OcclusionBuffer::with_level`] and [`Thresholds::uniform`].
-    pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
-        let viewport = parameters.resolution.unwrap_or(view.viewport());
-        let thresholds = match parameters.threshold {
-            1.0 => Thresholds::conservative(),
-            t => Thresholds::uniform(t)?,
-        };
-        let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };
-        Ok(HomFrame {
-            buffer: OcclusionBuffer::with_level(viewport, level, settings)?,
+impl Selected {
+    /// For frames of one size.
+    pub(crate) fn new(view: &View, viewport: Viewport) -> Selected {
+        Selected {
             view: view.resized(viewport),
             boxes: ProjectedBoxes::new(),
             stack: Vec::new(),
@@ -88,32 +67,14 @@ impl HomFrame {
             chosen: Vec::new(),
             snapped: None,
             occluders: Vec::new(),
-            hidden: Vec::new(),
-            rest: Rest::default(),
+            feedback: Feedback::default(),
             resting: false,
-        })
+            walks_tree: false,
+        }
     }
 
-    /// Ends a rest: for a teleport, or another scene.
-    pub fn reset(&mut self) {
-        self.rest = Rest::default();
-    }
-
-    /// How long culling still rests.
-    pub fn rest(&self) -> Rest {
-        self.rest
-    }
-
-    /// Takes back to where [`HomFrame::rest`] was: for drawing a frame again.
-    pub fn set_rest(&mut self, rest: Rest) {
-        self.rest = rest;
-    }
-
-    /// What occluders are chosen from, made now unless it is there: this takes a while, and the first frame would else take it.
-    ///
-    /// # Errors
-    /// Those of [`OccluderSources::new`].
-    pub fn sources(&mut self, scene: &PreparedScene, parameters: &HomParameters) -> Result<Arc<OccluderSources>> {
+    /// As [`HomFrame::sources`].
+    fn sources(&mut self, scene: &PreparedScene, parameters: &HomParameters) -> Result<Arc<OccluderSources>> {
         if let Some(sources) = self.sources.as_ref().filter(|s| s.are_of(scene, parameters)) {
             return Ok(sources.clone());
         }
@@ -122,33 +83,105 @@ impl HomFrame {
         Ok(sources)
     }
 
+    /// Triangles of the chosen occluders.
+    fn occluder_triangles(&self) -> u64 {
+        self.sources.as_ref().map_or(0, |s| s.database.triangles(&self.chosen))
+    }
+
+    /// Clears a buffer for this frame's occluders.
+    ///
+    /// # Errors
+    /// Those of [`OcclusionBuffer::begin`].
+    pub(crate) fn begin(&self, buffer: &mut OcclusionBuffer) -> Result<()> {
+        if self.resting { Ok(()) } else { buffer.begin(&self.view) }
+    }
+}
+
+/// The occlusion buffer and the boxes of one frame, handed from stage to stage and back for the next frame.
+pub struct HomFrame {
+    /// What occluders cover.
+    pub buffer: OcclusionBuffer,
+    /// What OccSel made.
+    pub selected: Selected,
+    tests: Vec<Tests>,
+    line: FeedbackLine,
+}
+
+/// Tests of a stretch of the boxes, on one thread.
+#[derive(Default)]
+struct Tests {
+    range: Range<usize>,
+    hidden: Vec<bool>,
+    failed: Option<Error>,
+}
+
+impl HomFrame {
+    /// A frame for views of one size.
+    ///
+    /// # Errors
+    /// As for [`OcclusionBuffer::with_level`], [`Thresholds::uniform`] and [`HomParameters::check`].
+    pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
+        parameters.check()?;
+        let viewport = parameters.resolution.unwrap_or(view.viewport());
+        let thresholds = match parameters.threshold {
+            1.0 => Thresholds::conservative(),
+            t => Thresholds::uniform(t)?,
+        };
+        let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };
+        let buffer = OcclusionBuffer::with_level(viewport, level, settings)?;
+        Ok(HomFrame {
+            buffer,
+            selected: Selected::new(view, viewport),
+            tests: Vec::new(),
+            line: FeedbackLine::new(parameters.lag()),
+        })
+    }
+
+    /// Forgets all earlier frames: for a teleport, or another scene.
+    pub fn reset(&mut self) {
+        self.line.reset();
+    }
+
+    /// What earlier frames tell later ones.
+    pub fn memory(&self) -> &FeedbackLine {
+        &self.line
+    }
+
+    /// Takes back to where [`HomFrame::memory`] was: for drawing a frame again.
+    pub fn set_memory(&mut self, memory: &FeedbackLine) {
+        self.line.clone_from(memory);
+    }
+
+    /// What occluders are chosen from, made now unless it is there: this takes a while, and the first frame would else take it.
+    ///
+    /// # Errors
+    /// Those of [`OccluderSources::new`].
+    pub fn sources(&mut self, scene: &PreparedScene, parameters: &HomParameters) -> Result<Arc<OccluderSources>> {
+        self.selected.sources(scene, parameters)
+    }
+
     /// Chooses from these sources, which frames may share; others are made if they are not of a frame's scene and parameters.
     pub fn set_sources(&mut self, sources: Arc<OccluderSources>) {
-        self.sources = Some(sources);
+        self.selected.sources = Some(sources);
     }
 
     /// The occluders chosen for this frame, by their ids in the database.
     pub fn chosen(&self) -> &[u32] {
-        &self.chosen
+        &self.selected.chosen
     }
 
     /// The view point of the bake that chose them; `None` when none was near, or none is used.
     pub fn snapped(&self) -> Option<usize> {
-        self.snapped
+        self.selected.snapped
     }
 
     /// The boxes in the frustum.
     pub fn boxes(&self) -> &ProjectedBoxes {
-        &self.boxes
-    }
-
-    fn viewport(&self, view: &View) -> Viewport {
-        let (width, height) = self.buffer.size();
-        Viewport::new(width, height).unwrap_or(view.viewport())
+        &self.selected.boxes
     }
 }
 
-/// OccSel, first half: begins the view, finds what is in the frustum, and chooses occluders from the database (7.3). Multi-pass and progressive
+/// OccSel: begins the view, finds what is in the frustum, and chooses occluders from the database (7.3, 7.4). Multi-pass and progressive
 /// choose none: there everything visible occludes.
 ///
 /// # Errors
@@ -160,49 +193,73 @@ pub fn select_occluders(
     parameters: &HomParameters,
     frame: HomFrame,
 ) -> Result<HomFrame> {
-    let mut frame = frame;
-    frame.view = view.resized(frame.viewport(view));
-    frame.resting = frame.rest.left > 0;
-    if frame.resting {
-        world.collect(level, view, false, &mut frame.stack, &mut frame.boxes);
-        return Ok(frame);
-    }
-    frame.buffer.begin(&frame.view)?;
-    frame.occluders.clear();
-    frame.chosen.clear();
-    frame.snapped = None;
-    let walks_tree = parameters.update == Update::Always && frame.buffer.settings().thresholds.is_conservative();
-    if walks_tree {
-        frame.boxes.clear();
-        return Ok(frame);
-    }
-    world.collect(level, &frame.view, true, &mut frame.stack, &mut frame.boxes);
-    if parameters.update != Update::Once {
-        return Ok(frame);
-    }
-    let sources = frame.sources(world.scene, parameters)?;
-    frame.snapped = sources.choose(level, &frame.view, parameters, &mut frame.walk, &mut frame.chosen);
-    frame.occluders.extend(frame.chosen.iter().map(|&id| *sources.database.occluder(id)));
-    Ok(frame)
+    let HomFrame { mut buffer, mut selected, tests, mut line } = frame;
+    line.settle();
+    selected.feedback = line.begin();
+    let selected = select(world, level, view, parameters, walks_tree(parameters, &buffer), selected)?;
+    selected.begin(&mut buffer)?;
+    Ok(HomFrame { buffer, selected, tests, line })
 }
 
-/// OccSel, second half: draws the chosen occluders, in bands on the workers' threads.
+/// Whether frames are culled through the hierarchy: progressively, with thresholds of 1.
+pub(crate) fn walks_tree(parameters: &HomParameters, buffer: &OcclusionBuffer) -> bool {
+    parameters.update == Update::Always && buffer.settings().thresholds.is_conservative()
+}
+
+/// OccSel without a buffer.
+///
+/// # Errors
+/// Those of [`OccluderSources::new`].
+pub(crate) fn select(
+    world: &World<'_>,
+    level: Level,
+    view: &View,
+    parameters: &HomParameters,
+    walks_tree: bool,
+    selected: Selected,
+) -> Result<Selected> {
+    let mut selected = selected;
+    selected.view = view.resized(selected.view.viewport());
+    selected.resting = selected.feedback.rest.is_on();
+    selected.walks_tree = walks_tree;
+    selected.chosen.clear();
+    selected.occluders.clear();
+    selected.snapped = None;
+    if selected.resting {
+        world.collect(level, view, false, &mut selected.stack, &mut selected.boxes);
+        return Ok(selected);
+    }
+    if walks_tree {
+        selected.boxes.clear();
+        return Ok(selected);
+    }
+    world.collect(level, &selected.view, true, &mut selected.stack, &mut selected.boxes);
+    if parameters.update == Update::Once {
+        let sources = selected.sources(world.scene, parameters)?;
+        let Selected { view, walk, chosen, feedback, .. } = &mut selected;
+        selected.snapped = sources.choose(level, view, parameters, &feedback.occluded, walk, chosen);
+        selected.occluders.extend(selected.chosen.iter().map(|&id| *sources.database.occluder(id)));
+    }
+    Ok(selected)
+}
+
+/// OccDraw: draws the chosen occluders, in bands on the workers' threads.
 ///
 /// # Errors
 /// Those of [`OcclusionBuffer::submit`].
 pub fn draw_occluders(world: &World<'_>, workers: &Workers, frame: HomFrame) -> Result<HomFrame> {
     let mut frame = frame;
-    frame.buffer.pyramid_deferred = true;
-    if frame.resting || frame.occluders.is_empty() {
+    let HomFrame { buffer, selected, .. } = &mut frame;
+    buffer.pyramid_deferred = true;
+    if selected.resting || selected.occluders.is_empty() {
         return Ok(frame);
     }
-    let sources = frame.sources.clone();
-    let meshes = sources.as_ref().map_or(&world.scene.meshes, |s| s.database.meshes(world.scene));
+    let meshes = selected.sources.as_ref().map_or(&world.scene.meshes, |s| s.database.meshes(world.scene));
     if workers.threads() == 1 {
-        frame.buffer.submit(meshes, &frame.occluders)?;
+        buffer.submit(meshes, &selected.occluders)?;
     } else {
         let run = |jobs: &mut [BandJob<'_>]| workers.run(jobs, BandJob::run);
-        frame.buffer.submit_in_bands(meshes, &frame.occluders, workers.bands(), run)?;
+        buffer.submit_in_bands(meshes, &selected.occluders, workers.bands(), run)?;
     }
     Ok(frame)
 }
@@ -215,25 +272,49 @@ pub fn build_pyramid(frame: HomFrame) -> HomFrame {
     frame
 }
 
-/// Cull: tests what is in the frustum, nearest first. Gives the visible set, and the frame back.
+/// Cull: tests what is in the frustum, nearest first. Gives the visible set, and the frame back. One pass tests on the
+/// workers' threads (8.1); multi-pass and progressive test in the caller's, since there each test needs those before it.
 ///
 /// # Errors
 /// Those of the buffer.
-pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> Result<(VisibleSet, HomFrame)> {
+pub fn cull(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: HomFrame,
+) -> Result<(VisibleSet, HomFrame)> {
+    let (set, mut frame) = cull_selected(world, workers, parameters, frame)?;
+    frame.line.tell(std::mem::take(&mut frame.selected.feedback));
+    Ok((set, frame))
+}
+
+/// Cull, with what the frame tells left in it.
+pub(crate) fn cull_selected(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: HomFrame,
+) -> Result<(VisibleSet, HomFrame)> {
     let mut frame = frame;
-    if frame.resting {
-        frame.rest.left -= 1;
-        return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.boxes) }, frame));
+    frame.selected.feedback.occluded.forget();
+    let rest = frame.selected.feedback.rest;
+    if frame.selected.resting {
+        frame.selected.feedback.rest = rest.shorter();
+        return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.selected.boxes) }, frame));
     }
-    let conservative = frame.buffer.settings().thresholds.is_conservative();
     let set = match parameters.update {
-        Update::Once => one_pass(world, parameters, &mut frame)?,
-        Update::Always if conservative => progressive::cull(world, parameters, &mut frame),
+        Update::Once => one_pass(world, workers, parameters, &mut frame)?,
+        Update::Always if frame.selected.walks_tree => progressive::cull(world, parameters, &mut frame),
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
-    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= frame.buffer.counts().triangles;
-    frame.rest = frame.rest.after(paid, parameters.rest);
+    // Not the rasterizer's count for one pass: that is by bands, and so by threads.
+    let occluders = match parameters.update {
+        Update::Once => frame.selected.occluder_triangles(),
+        Update::Always | Update::Batches(_) => frame.buffer.counts().triangles,
+    };
+    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= occluders;
+    frame.selected.feedback.rest = rest.after(paid, parameters.rest);
     Ok((set, frame))
 }
 
@@ -258,31 +339,75 @@ impl Bypass {
     }
 }
 
-fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, hidden, .. } = frame;
-    let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
+/// Tests all boxes, stretch by stretch, several at a time where there are threads. Verdicts are counted in the input order and
+/// the bypass is decided between its batches, so that neither depends on the threads.
+fn one_pass(
+    world: &World<'_>,
+    workers: &Workers,
+    parameters: &HomParameters,
+    frame: &mut HomFrame,
+) -> Result<VisibleSet> {
+    let HomFrame { buffer, selected: Selected { boxes, feedback, .. }, tests, .. } = frame;
+    let (buffer, boxes) = (&*buffer, &*boxes);
+    let (scene, n) = (world.scene, boxes.len());
+    if parameters.select == Selection::Temporal {
+        feedback.occluded.clear(scene.occluders.len());
+    }
+    let mut set = VisibleSet { in_frustum: n as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
-    for from in (0..boxes.len()).step_by(BYPASS_BATCH) {
-        let batch = from..(from + BYPASS_BATCH).min(boxes.len());
-        if set.bypassed {
-            hidden.clear();
-            hidden.resize(batch.len(), false);
-        } else {
-            buffer.test_projected(boxes, batch.clone(), &world.scene.bounds, world.scene.origin, hidden)?;
-            set.queries += batch.len() as u64;
-        }
-        for (b, &hidden) in boxes.boxes()[batch].iter().zip(&*hidden) {
-            set.triangles_in_frustum += u64::from(world.scene.triangles(b.id()));
-            bypass.saw(hidden);
-            if hidden {
-                set.triangles_hidden += u64::from(world.scene.triangles(b.id()));
-            } else {
-                set.objects.push(b.id());
+    let mut from = 0;
+    while from < n && !set.bypassed {
+        let tests = lay_out(tests, from, n, workers.threads());
+        workers.run(tests, |t| {
+            let range = t.range.clone();
+            t.failed = buffer.test_projected(boxes, range, &scene.bounds, scene.origin, &mut t.hidden).err();
+        });
+        for t in tests {
+            t.failed.take().map_or(Ok(()), Err)?;
+            for hidden in t.hidden.chunks(BYPASS_BATCH) {
+                if set.bypassed {
+                    break;
+                }
+                let batch = &boxes.boxes()[from..from + hidden.len()];
+                for (b, &hidden) in batch.iter().zip(hidden) {
+                    count(world, &mut set, b.id(), hidden);
+                    bypass.saw(hidden);
+                    if hidden {
+                        feedback.occluded.insert(b.id());
+                    }
+                }
+                set.queries += hidden.len() as u64;
+                from += hidden.len();
+                set.bypassed = bypass.is_due();
             }
         }
-        set.bypassed |= bypass.is_due();
     }
+    boxes.boxes()[from..].iter().for_each(|b| count(world, &mut set, b.id(), false));
     Ok(set)
+}
+
+/// Cuts what comes next of `n` boxes into stretches: one batch for one thread, some longer ones for several.
+fn lay_out(tests: &mut Vec<Tests>, from: usize, n: usize, threads: usize) -> &mut [Tests] {
+    let (length, most) = if threads == 1 { (BYPASS_BATCH, 1) } else { (JOB, JOBS_A_THREAD * threads) };
+    if tests.len() < most {
+        tests.resize_with(most, Tests::default);
+    }
+    let tests = &mut tests[..(n - from).div_ceil(length).min(most)];
+    for (i, t) in tests.iter_mut().enumerate() {
+        let start = from + i * length;
+        t.range = start..(start + length).min(n);
+    }
+    tests
+}
+
+fn count(world: &World<'_>, set: &mut VisibleSet, id: u32, hidden: bool) {
+    let triangles = u64::from(world.scene.triangles(id));
+    set.triangles_in_frustum += triangles;
+    if hidden {
+        set.triangles_hidden += triangles;
+    } else {
+        set.objects.push(id);
+    }
 }
 
 fn multi_pass(
@@ -291,7 +416,7 @@ fn multi_pass(
     update_triangles: u64,
     frame: &mut HomFrame,
 ) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, occluders, .. } = frame;
+    let HomFrame { buffer, selected: Selected { boxes, occluders, .. }, .. } = frame;
     let scene = world.scene;
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);

@@ -39,6 +39,8 @@ pub enum Selection {
     /// Those seen from the nearest view point of a bake, the largest first, under a triangle limit (7.5); where none is near,
     /// by distance.
     Baked,
+    /// By distance, among the candidates that temporal coherence leaves (7.4, equation 7.1).
+    Temporal,
 }
 
 /// What may occlude (7.1): the occluder database.
@@ -75,7 +77,16 @@ pub struct HomParameters {
     pub bypass_after: u32,
     /// Frames that culling rests after one that hid next to nothing; 0 never rests.
     pub rest: u32,
+    /// Whether OccSel, Cull and Draw of consecutive frames overlap, on threads of their own (8.1).
+    pub pipeline: bool,
+    /// Frames until what a frame found is heard: 1 to [`MAX_LAG`]; see [`HomParameters::lag`].
+    pub lag: Option<u32>,
 }
+
+/// The least lag of feedback in the pipeline: OccSel for frame N + 2 starts before Cull for frame N ends.
+pub const PIPELINE_LAG: u32 = 3;
+/// The greatest lag: a second of frames.
+pub const MAX_LAG: u32 = 60;
 
 /// Update size of `hom-multipass`, in triangles.
 pub const DEFAULT_UPDATE_TRIANGLES: u64 = 2_000;
@@ -105,7 +116,30 @@ impl HomParameters {
             threshold: 1.0,
             bypass_after: DEFAULT_BYPASS,
             rest: DEFAULT_REST,
+            pipeline: false,
+            lag: None,
         }
+    }
+
+    /// Frames until what a frame found is heard: unless chosen, 1 in turn and [`PIPELINE_LAG`] in the pipeline.
+    pub fn lag(&self) -> u32 {
+        self.lag.unwrap_or(if self.pipeline { PIPELINE_LAG } else { 1 })
+    }
+
+    /// Whether the parameters can be had together.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a lag out of range.
+    pub fn check(&self) -> Result<()> {
+        let least = if self.pipeline { PIPELINE_LAG } else { 1 };
+        if (least..=MAX_LAG).contains(&self.lag()) {
+            return Ok(());
+        }
+        Err(Error::parameter(
+            "lag",
+            self.lag(),
+            format!("{least} to {MAX_LAG} with pipeline={}", on_off(self.pipeline)),
+        ))
     }
 
     /// True when the picture is guaranteed to stay the same.
@@ -129,8 +163,8 @@ pub struct MethodDescription {
     pub when: &'static str,
 }
 
-const HOM_PARAMETERS: &str =
-    "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15";
+const HOM_PARAMETERS: &str = "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
+     lag=1 (3 with pipeline=on)";
 
 /// All methods.
 pub fn methods() -> &'static [MethodDescription] {
@@ -146,11 +180,11 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom",
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: "select=distance|nearest|zplane|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, database=all|static, with static: \
+            parameters: "select=distance|nearest|zplane|temporal|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, database=all|static, with static: \
                          static-size=0.001, static-locality=off, static-aspect=off, static-complexity=6250, \
                          static-redundancy=0.9; update=once|batches|always, and: \
                          depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, \
-                         rest=15",
+                         rest=15, pipeline=off|on, lag=1 (3 with pipeline=on)",
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
         },
         MethodDescription {
@@ -200,11 +234,11 @@ impl Method {
                 part.split_once('=').ok_or_else(|| Error::parameter("method parameter", part, "must be key=value"))?;
             method.set(name, key, value)?;
         }
-        match &method {
-            Method::Hom(p) if p.select == Selection::Baked && p.bake.is_none() => {
+        if let Method::Hom(parameters) = &method {
+            if parameters.select == Selection::Baked && parameters.bake.is_none() {
                 return Err(Error::parameter("select", "baked", "needs bake=FILE, from `homcull bake`"));
             }
-            _ => {}
+            parameters.check()?;
         }
         Ok(method)
     }
@@ -264,7 +298,8 @@ impl HomParameters {
             ("select", "nearest") => self.select = Selection::Distance(Measure::Nearest),
             ("select", "zplane") => self.select = Selection::ZPlane(DEFAULT_Z_PLANE),
             ("select", "baked") => self.select = Selection::Baked,
-            ("select", _) => return Err(bad("distance, nearest, zplane or baked")),
+            ("select", "temporal") => self.select = Selection::Temporal,
+            ("select", _) => return Err(bad("distance, nearest, zplane, temporal or baked")),
             ("bake", "") => return Err(bad("a file that `homcull bake` wrote")),
             ("bake", _) => self.bake = Some(value.into()),
             ("snap", _) => {
@@ -303,6 +338,14 @@ impl HomParameters {
                 let n = number("a number of frames")?;
                 self.rest = u32::try_from(n).map_err(|_| bad("0 to 4294967295"))?;
             }
+            ("pipeline", "on") => self.pipeline = true,
+            ("pipeline", "off") => self.pipeline = false,
+            ("pipeline", _) => return Err(bad("off or on")),
+            ("lag", _) => {
+                let n = number("a number of frames")?;
+                let n = u32::try_from(n).ok().filter(|n| (1..=MAX_LAG).contains(n));
+                self.lag = Some(n.ok_or_else(|| bad(&format!("1 to {MAX_LAG}")))?);
+            }
             _ => return Err(unknown()),
         }
         Ok(())
@@ -318,11 +361,12 @@ impl HomParameters {
                     Selection::Distance(Measure::Nearest) => "nearest",
                     Selection::ZPlane(_) => "zplane",
                     Selection::Baked => "baked",
+                    Selection::Temporal => "temporal",
                 };
                 out.push(("select", select.into()));
                 match self.select {
                     Selection::ZPlane(z) => out.push(("z", z.to_string())),
-                    Selection::Distance(_) | Selection::Baked => {
+                    Selection::Distance(_) | Selection::Temporal | Selection::Baked => {
                         out.push(("occluder-triangles", self.occluder_triangles.to_string()));
                     }
                 }
@@ -347,8 +391,14 @@ impl HomParameters {
         out.push(("threshold", self.threshold.to_string()));
         out.push(("bypass", self.bypass_after.to_string()));
         out.push(("rest", self.rest.to_string()));
+        out.push(("pipeline", on_off(self.pipeline).into()));
+        out.push(("lag", self.lag().to_string()));
         out.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
     }
+}
+
+fn on_off(on: bool) -> &'static str {
+    if on { "on" } else { "off" }
 }
 
 fn parse_resolution(value: &str) -> Result<Viewport> {

@@ -4,6 +4,7 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+mod feedback;
 pub mod frustum;
 pub mod hom;
 pub mod ideal;
@@ -12,7 +13,9 @@ mod progressive;
 mod sources;
 pub mod vfc;
 
-pub use method::{Database, HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub(crate) use feedback::Feedback;
+pub use feedback::FeedbackLine;
+pub use method::{Database, HomParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods};
 pub use sources::OccluderSources;
 
 /// What a frame's culling found, and what it cost in counts.

@@ -12,7 +12,7 @@ use homcull_simd::{Kernel, Simd};
 
 use super::VisibleSet;
 use super::frustum::{ALL_PLANES, CollectInFrustum, planes_left};
-use super::hom::{BYPASS_BATCH, Bypass, HomFrame};
+use super::hom::{BYPASS_BATCH, Bypass, HomFrame, Selected};
 use super::method::HomParameters;
 use super::vfc::World;
 use crate::occlusion::{
@@ -25,7 +25,7 @@ use crate::view::View;
 
 /// Walks the hierarchy of one frame.
 pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
-    let HomFrame { buffer, view, boxes, stack, .. } = frame;
+    let HomFrame { buffer, selected: Selected { view, boxes, stack, .. }, .. } = frame;
     let box_view = world.box_view(view);
     let OcclusionSettings { depth: reading, no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
     let (level, mut sink, queues, counts) = buffer.parts();

@@ -9,7 +9,7 @@ use homcull_simd::Level;
 use super::method::{Database, HomParameters, Selection};
 use crate::error::{Error, Result};
 use crate::scene::PreparedScene;
-use crate::select::{BakedVisibility, Measure, OccluderDatabase, Order, StaticSelection, WalkMemory};
+use crate::select::{BakedVisibility, Measure, Occluded, OccluderDatabase, Order, StaticSelection, WalkMemory};
 use crate::view::View;
 
 /// The sources of one method in one scene. Read by any number of frames.
@@ -64,18 +64,21 @@ impl OccluderSources {
         self.scene == scene.hash && *database == parameters.database && bake.as_ref() == bake_of(parameters)
     }
 
-    /// Chooses the occluders of a view: ids in the database. With a bake, gives the view point that the eye snapped onto.
+    /// Chooses the occluders of a view: ids in the database. `before` is what was in the frustum and occluded, for temporal
+    /// coherence. With a bake, gives the view point that the eye snapped onto.
     pub(super) fn choose(
         &self,
         level: Level,
         view: &View,
         parameters: &HomParameters,
+        before: &Occluded,
         memory: &mut WalkMemory,
         chosen: &mut Vec<u32>,
     ) -> Option<usize> {
         let limit = parameters.occluder_triangles;
         let (order, limit) = match parameters.select {
             Selection::Distance(measure) => (Order::Distance(measure), limit),
+            Selection::Temporal => (Order::Distance(Measure::Center), limit),
             Selection::Baked => {
                 let baked = self.baked.as_ref();
                 let at = baked.and_then(|baked| Some((baked, baked.snap(view.eye(), parameters.snap)?)));
@@ -87,7 +90,9 @@ impl OccluderSources {
             }
             Selection::ZPlane(distance) => (Order::ZPlane { forward: forward(view), distance }, u64::MAX),
         };
-        self.database.choose(level, view, order, limit, &|_| true, memory, chosen);
+        let temporal = parameters.select == Selection::Temporal;
+        let candidate = |id| !(temporal && before.contains(id));
+        self.database.choose(level, view, order, limit, &candidate, memory, chosen);
         None
     }
 }

@@ -15,7 +15,7 @@ use crate::error::Result;
 type Column = (&'static str, fn(&FrameRecord) -> String);
 
 /// The columns after `method`, `parameters` and `frame`, left to right.
-const COLUMNS: [Column; 18] = [
+const COLUMNS: [Column; 22] = [
     ("frame_ms", |frame| frame.frame_ms.to_string()),
     ("select_ms", |frame| frame.stage_ms.select.to_string()),
     ("occluders_ms", |frame| frame.stage_ms.occluders.to_string()),
@@ -34,6 +34,10 @@ const COLUMNS: [Column; 18] = [
     ("bypassed", |frame| u8::from(frame.bypassed).to_string()),
     ("wrongly_culled_objects", |frame| known(frame.wrongly_culled)),
     ("wrong_pixels", |frame| known(frame.wrong_pixels)),
+    ("latency_ms", |frame| frame.latency_ms().to_string()),
+    ("occsel_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.select_waiting))),
+    ("cull_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.cull_waiting))),
+    ("draw_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.draw_waiting))),
 ];
 
 /// Writes every frame of every run. Frames count from 0; `parameters` is `key=value,...`.

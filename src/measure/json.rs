@@ -49,6 +49,7 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
             "max": times.max,
             "total": times.total,
         },
+        "latency_ms": latency(run),
         "stage_ms": {
             "select": stages.select,
             "occluders": stages.occluders,
@@ -56,6 +57,7 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
             "cull": stages.cull,
             "draw": stages.draw,
         },
+        "pipeline_ms": pipeline(run),
         "mean": mean(report, run),
         "bypassed_frames": run.bypassed_frames(),
         "wrongly_culled_objects": run.wrongly_culled_objects(),
@@ -66,6 +68,25 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
         "time_over_ideal": ratios(report.time_over_ideal(run), "worst_frame"),
         "image_hash": hash(run.image_hash),
         "visible_set_hash": hash(run.visible_set_hash),
+    })
+}
+
+/// From view to picture; in turn, the frame's time.
+fn latency(run: &MethodRun) -> Value {
+    let times = run.latency_ms();
+    json!({"median": times.median, "p95": times.p95, "min": times.min, "max": times.max})
+}
+
+/// Where the mean frame's time went on each thread of the pipeline; null for what was drawn in turn.
+fn pipeline(run: &MethodRun) -> Value {
+    let stages = run.stage_ms();
+    let stage = |busy: f64, waiting: f64| json!({"busy": busy, "waiting": waiting});
+    run.pipeline_ms().map_or(Value::Null, |times| {
+        json!({
+            "occsel": stage(stages.select, times.select_waiting),
+            "cull": stage(stages.cull, times.cull_waiting),
+            "draw": stage(stages.occluders + stages.pyramid + stages.draw, times.draw_waiting),
+        })
     })
 }
 

@@ -30,3 +30,5 @@ pub mod table;
 pub mod table_walk;
 #[cfg(feature = "bvh")]
 pub mod walk;
+#[cfg(feature = "bvh")]
+mod walk_pipeline;

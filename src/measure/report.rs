@@ -32,6 +32,20 @@ pub struct StageTimes {
     pub draw: f64,
 }
 
+/// A frame's time in the pipeline (thesis 8.1), in milliseconds. Beside it [`StageTimes`] hold the time at work: of OccSel `select`, of
+/// Cull `cull`, of the Draw stage `occluders`, `pyramid` and `draw`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PipelineTimes {
+    /// From the frame's view to its picture.
+    pub latency: f64,
+    /// OccSel waiting for the frame.
+    pub select_waiting: f64,
+    /// Cull waiting for the frame.
+    pub cull_waiting: f64,
+    /// The Draw stage waiting for OccSel and for Cull.
+    pub draw_waiting: f64,
+}
+
 /// What one frame of one method measured.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameRecord {
@@ -39,6 +53,8 @@ pub struct FrameRecord {
     pub frame_ms: f64,
     /// Its parts, in milliseconds; they need not add up to the whole.
     pub stage_ms: StageTimes,
+    /// What the pipeline adds; `None` for a frame drawn in turn.
+    pub pipeline_ms: Option<PipelineTimes>,
     /// Objects that view-frustum culling leaves.
     pub objects_in_frustum: u32,
     /// Objects that the method draws.
@@ -166,6 +182,11 @@ pub struct WrongPixels {
 }
 
 impl FrameRecord {
+    /// From the frame's view to its picture, in milliseconds: in turn, the frame's time.
+    pub fn latency_ms(&self) -> f64 {
+        self.pipeline_ms.map_or(self.frame_ms, |times| times.latency)
+    }
+
     /// Samples covered for each of the view's `pixels`; zero for an empty view.
     pub fn depth_complexity(&self, pixels: u64) -> f64 {
         if pixels == 0 { 0.0 } else { self.fragments as f64 / pixels as f64 }
@@ -175,15 +196,23 @@ impl FrameRecord {
 impl MethodRun {
     /// The frame times, summarized.
     pub fn frame_ms(&self) -> FrameTimes {
-        let times = self.times_ms();
-        let (min, max) = range(&times).unwrap_or_default();
-        FrameTimes {
-            median: median(&times).unwrap_or_default(),
-            p95: percentile(&times, 95.0).unwrap_or_default(),
-            min,
-            max,
-            total: times.iter().sum(),
-        }
+        summary(&self.times_ms())
+    }
+
+    /// The latencies, summarized.
+    pub fn latency_ms(&self) -> FrameTimes {
+        summary(&self.frames.iter().map(FrameRecord::latency_ms).collect::<Vec<_>>())
+    }
+
+    /// The means of the pipeline's times; `None` unless every frame went through it.
+    pub fn pipeline_ms(&self) -> Option<PipelineTimes> {
+        let stage = |of: fn(&PipelineTimes) -> f64| self.mean_if_known(|frame| frame.pipeline_ms.as_ref().map(of));
+        Some(PipelineTimes {
+            latency: stage(|times| times.latency)?,
+            select_waiting: stage(|times| times.select_waiting)?,
+            cull_waiting: stage(|times| times.cull_waiting)?,
+            draw_waiting: stage(|times| times.draw_waiting)?,
+        })
     }
 
     /// The mean time of each stage in milliseconds; zero without frames.
@@ -307,6 +336,17 @@ impl WalkReport {
             others.any(|other| other.parameter(key) != Some(value))
         };
         self.runs.iter().map(|run| run.name_with(|key, value| differs(run, key, value))).collect()
+    }
+}
+
+fn summary(times: &[f64]) -> FrameTimes {
+    let (min, max) = range(times).unwrap_or_default();
+    FrameTimes {
+        median: median(times).unwrap_or_default(),
+        p95: percentile(times, 95.0).unwrap_or_default(),
+        min,
+        max,
+        total: times.iter().sum(),
     }
 }
 

@@ -119,6 +119,17 @@ fn add_notes(report: &WalkReport, table: &mut Table) {
             0 => {}
             frames => table.note(format!("{label}: gave up testing in {frames} frames, nothing hidden")),
         }
+        if let Some(times) = run.pipeline_ms() {
+            let stages = run.stage_ms();
+            let stage = |name, busy, waiting| format!("{name} {} + {}", stage_cell(busy), stage_cell(waiting));
+            table.note(format!(
+                "{label}: view to picture {} ms (median); at work + waiting, ms: {}, {}, {}",
+                digits3(run.latency_ms().median),
+                stage("OccSel", stages.select, times.select_waiting),
+                stage("Cull", stages.cull, times.cull_waiting),
+                stage("Draw", stages.occluders + stages.pyramid + stages.draw, times.draw_waiting),
+            ));
+        }
     }
     if let Some(bytes) = report.peak_memory_bytes {
         table.note(format!("peak memory: {} MiB", grouped(bytes.div_ceil(1 << 20))));

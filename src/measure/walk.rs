@@ -2,7 +2,8 @@
 //!
 //! Every frame is drawn by every method as often as asked, in turn, so that what slows the machine slows all of them; of each
 //! method's repetitions the fastest counts. The exact reference, everything in the frustum, is drawn once a frame and
-//! never timed.
+//! never timed. Methods in the pipeline cannot take turns frame by frame: they walk the whole path when the others are done,
+//! once to be judged, then to be timed (`walk_pipeline.rs`).
 
 use std::time::Instant;
 
@@ -12,9 +13,10 @@ use super::clock::clock_ghz;
 use super::memory::peak_memory_bytes;
 use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
-use crate::cull::hom::{self, HomFrame, Rest};
+use super::walk_pipeline;
+use crate::cull::hom::{self, HomFrame};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{HomParameters, Method, Update, VisibleSet, ideal};
+use crate::cull::{FeedbackLine, HomParameters, Method, Update, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -77,24 +79,57 @@ pub fn walk(
     (report.width, report.height) = (first.viewport().width(), first.viewport().height());
     let world = World::new(scene);
     let mut exact = Exact::new(first, &world, options.level)?;
-    let mut runners = methods.iter().map(|m| Runner::new(m, &world, first, options)).collect::<Result<Vec<_>>>()?;
+    let overlaps = |m: &Method| matches!(m, Method::Hom(p) if p.pipeline);
+    let in_turn = methods.iter().enumerate().filter(|(_, m)| !overlaps(m));
+    let mut runners = in_turn.map(|(i, m)| Runner::new(i, m, &world, first, options)).collect::<Result<Vec<_>>>()?;
     let mut clocks = Vec::new();
+    walk_in_turn(&world, views, &mut runners, &mut exact, options, &mut clocks, &mut look)?;
+    let mut runs: Vec<_> = runners.into_iter().map(|r| (r.place, r.tally.finish(r.method))).collect();
+    for (i, method) in methods.iter().enumerate() {
+        if let Method::Hom(parameters) = method
+            && parameters.pipeline
+        {
+            let path = walk_pipeline::Path { world: &world, views, options, method: i };
+            let tally = path.walk(parameters, &mut exact, &mut clocks, &mut look)?;
+            runs.push((i, tally.finish(method)));
+        }
+    }
+    runs.sort_by_key(|(place, _)| *place);
+    report.clock_ghz = median(&clocks).unwrap_or(0.0);
+    report.peak_memory_bytes = peak_memory_bytes();
+    report.runs = runs.into_iter().map(|(_, run)| run).collect();
+    Ok(report)
+}
+
+/// Walks with methods whose frames do not overlap, side by side.
+fn walk_in_turn(
+    world: &World<'_>,
+    views: &[View],
+    runners: &mut [Runner<'_>],
+    exact: &mut Exact,
+    options: &WalkOptions<'_>,
+    clocks: &mut Vec<f64>,
+    look: &mut impl FnMut(FrameLook<'_>) -> Result<()>,
+) -> Result<()> {
+    if runners.is_empty() {
+        return Ok(());
+    }
     for (frame, view) in views.iter().enumerate() {
-        exact.look(&world, view, options)?;
+        exact.look(world, view, options)?;
         runners.iter_mut().for_each(Runner::begin_frame);
         for repetition in 0..options.repetitions.max(1) {
             clocks.push(clock_ghz());
             for i in 0..runners.len() {
                 // Methods change places from repetition to repetition: none always follows the same one.
                 let i = (i + repetition) % runners.len();
-                let set = runners[i].draw(&world, view, &exact, options)?;
+                let set = runners[i].draw(world, view, exact, options)?;
                 if repetition == 0 {
-                    runners[i].judge(&world, &set, &exact, options.exact);
-                    let Runner { canvas, hom, .. } = &mut runners[i];
+                    let Runner { place, canvas, hom, tally, .. } = &mut runners[i];
+                    tally.judge(world, &set, canvas, exact, options.exact);
                     let hom = hom.as_mut();
                     look(FrameLook {
                         frame,
-                        method: i,
+                        method: *place,
                         view,
                         canvas,
                         drawn: &set.objects,
@@ -105,17 +140,14 @@ pub fn walk(
             }
         }
     }
-    report.clock_ghz = median(&clocks).unwrap_or(0.0);
-    report.peak_memory_bytes = peak_memory_bytes();
-    report.runs = runners.into_iter().map(Runner::finish).collect();
-    Ok(report)
+    Ok(())
 }
 
 /// The exact reference of a frame.
-struct Exact {
+pub(super) struct Exact {
     canvas: Canvas,
     memory: VfcMemory,
-    in_frustum: Vec<u32>,
+    pub in_frustum: Vec<u32>,
     triangles_in_frustum: u64,
     /// Samples that show each object.
     samples: Vec<u32>,
@@ -138,7 +170,7 @@ impl Exact {
         })
     }
 
-    fn look(&mut self, world: &World<'_>, view: &View, options: &WalkOptions<'_>) -> Result<()> {
+    pub fn look(&mut self, world: &World<'_>, view: &View, options: &WalkOptions<'_>) -> Result<()> {
         let set = vfc::cull(world, options.level, view, &mut self.memory);
         let fragments = self.canvas.count_fragments(view, world.scene, &set.objects)?;
         for (&object, count) in set.objects.iter().zip(fragments) {
@@ -155,19 +187,25 @@ impl Exact {
 
 /// One method at work.
 struct Runner<'m> {
+    /// Its place among the methods.
+    place: usize,
     method: &'m Method,
     canvas: Canvas,
     memory: VfcMemory,
     hom: Option<HomFrame>,
-    /// What the frame before left behind: every repetition begins with it.
-    rest: Rest,
-    frames: Vec<FrameRecord>,
-    image_hash: Hash,
-    set_hash: Hash,
+    /// What the frames before left behind: every repetition begins with it.
+    before: Option<FeedbackLine>,
+    tally: Tally,
 }
 
 impl<'m> Runner<'m> {
-    fn new(method: &'m Method, world: &World<'_>, view: &View, options: &WalkOptions<'_>) -> Result<Runner<'m>> {
+    fn new(
+        place: usize,
+        method: &'m Method,
+        world: &World<'_>,
+        view: &View,
+        options: &WalkOptions<'_>,
+    ) -> Result<Runner<'m>> {
         let hom = match method {
             Method::Hom(parameters) => {
                 let mut frame = HomFrame::new(view, options.level, parameters)?;
@@ -179,20 +217,19 @@ impl<'m> Runner<'m> {
             Method::Vfc | Method::Ideal => None,
         };
         Ok(Runner {
+            place,
             method,
             canvas: Canvas::new(view.viewport(), options.level)?,
             memory: VfcMemory::default(),
             hom,
-            rest: Rest::default(),
-            frames: Vec::new(),
-            image_hash: Hash::default(),
-            set_hash: Hash::default(),
+            before: None,
+            tally: Tally::default(),
         })
     }
 
     fn begin_frame(&mut self) {
-        self.rest = self.hom.as_ref().map_or(Rest::default(), HomFrame::rest);
-        self.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
+        self.before = self.hom.as_ref().map(|hom| hom.memory().clone());
+        self.tally.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
     }
 
     /// One timed frame; the record keeps the fastest repetition.
@@ -201,8 +238,8 @@ impl<'m> Runner<'m> {
             Method::Ideal => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
             Method::Vfc | Method::Hom(_) => None,
         };
-        if let Some(hom) = &mut self.hom {
-            hom.set_rest(self.rest);
+        if let (Some(hom), Some(before)) = (&mut self.hom, &self.before) {
+            hom.set_memory(before);
         }
         let mut stages = StageTimes::default();
         let start = Instant::now();
@@ -217,7 +254,7 @@ impl<'m> Runner<'m> {
             canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
         })?;
         let ms = start.elapsed().as_secs_f64() * 1e3;
-        if let Some(record) = self.frames.last_mut().filter(|r| ms < r.frame_ms) {
+        if let Some(record) = self.tally.frames.last_mut().filter(|r| ms < r.frame_ms) {
             (record.frame_ms, record.stage_ms) = (ms, stages);
         }
         Ok(set)
@@ -238,13 +275,23 @@ impl<'m> Runner<'m> {
         let frame = timed(&mut stages.select, || hom::select_occluders(world, options.level, view, parameters, frame))?;
         let frame = timed(&mut stages.occluders, || hom::draw_occluders(world, options.workers, frame))?;
         let frame = timed(&mut stages.pyramid, || hom::build_pyramid(frame));
-        let (set, frame) = timed(&mut stages.cull, || hom::cull(world, parameters, frame))?;
+        let (set, frame) = timed(&mut stages.cull, || hom::cull(world, options.workers, parameters, frame))?;
         self.hom = Some(frame);
         Ok(set)
     }
+}
 
-    /// Takes down a frame's counts and errors, after its first repetition.
-    fn judge(&mut self, world: &World<'_>, set: &VisibleSet, exact: &Exact, errors: bool) {
+/// What is taken down of a method's frames.
+#[derive(Default)]
+pub(super) struct Tally {
+    pub frames: Vec<FrameRecord>,
+    image_hash: Hash,
+    set_hash: Hash,
+}
+
+impl Tally {
+    /// Takes down a frame's counts and errors, in the last record, whose times are kept.
+    pub fn judge(&mut self, world: &World<'_>, set: &VisibleSet, canvas: &Canvas, exact: &Exact, errors: bool) {
         let scene = world.scene;
         let mut drawn = set.objects.clone();
         drawn.sort_unstable();
@@ -252,16 +299,17 @@ impl<'m> Runner<'m> {
             self.set_hash.add(object.into());
         }
         self.set_hash.add(u64::MAX);
-        let equal = self.canvas.equals(&exact.canvas);
-        self.image_hash.add(if equal { exact.hash } else { self.canvas.hash(scene) });
+        let equal = canvas.equals(&exact.canvas);
+        self.image_hash.add(if equal { exact.hash } else { canvas.hash(scene) });
         let visible = |o: &&u32| exact.samples[**o as usize] > 0;
         let seen: Vec<u32> = exact.in_frustum.iter().filter(visible).copied().collect();
         let missing = seen.iter().filter(|o| drawn.binary_search(o).is_err()).count() as u32;
-        let wrong = if equal { 0 } else { self.canvas.differing_samples(&exact.canvas, scene) };
+        let wrong = if equal { 0 } else { canvas.differing_samples(&exact.canvas, scene) };
         let Some(record) = self.frames.last_mut() else { return };
         *record = FrameRecord {
             frame_ms: record.frame_ms,
             stage_ms: record.stage_ms,
+            pipeline_ms: record.pipeline_ms,
             objects_in_frustum: exact.in_frustum.len() as u32,
             objects_drawn: drawn.len() as u32,
             objects_visible_exact: errors.then_some(seen.len() as u32),
@@ -277,10 +325,10 @@ impl<'m> Runner<'m> {
         };
     }
 
-    fn finish(self) -> MethodRun {
+    fn finish(self, method: &Method) -> MethodRun {
         MethodRun {
-            method: self.method.name().to_owned(),
-            parameters: self.method.parameters(),
+            method: method.name().to_owned(),
+            parameters: method.parameters(),
             frames: self.frames,
             image_hash: self.image_hash.value(),
             visible_set_hash: self.set_hash.value(),

@@ -5,6 +5,7 @@ mod database;
 mod distance;
 mod redundancy;
 mod statics;
+mod temporal;
 mod view_grid;
 mod zplane;
 
@@ -13,5 +14,6 @@ pub use baked::{BakeHeader, BakedVisibility, Sight};
 pub use database::{OccluderDatabase, Order, WalkMemory};
 pub use distance::{DEFAULT_TRIANGLES, Measure, select_by_distance};
 pub use statics::{Criterion, StaticCriteria, StaticSelection};
+pub use temporal::{Occluded, temporal_candidates};
 pub use view_grid::{MAX_CELLS, ViewGrid};
 pub use zplane::select_by_z_plane;

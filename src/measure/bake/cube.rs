@@ -12,10 +12,13 @@ use crate::cull::{HomParameters, Update};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::view::{ClipSpace, View, Viewport};
+use crate::workers::Workers;
 
 /// Pictures of one size, for one thread.
 pub(super) struct Cube {
     level: Level,
+    /// One thread: cubes are drawn side by side.
+    workers: Workers,
     parameters: HomParameters,
     viewport: Viewport,
     near: f64,
@@ -34,6 +37,7 @@ impl Cube {
         let viewport = Viewport::new(side, side)?;
         Ok(Cube {
             level,
+            workers: Workers::new(1)?,
             // Every picture is of another view: nothing may rest.
             parameters: HomParameters { rest: 0, ..HomParameters::new(Update::Always) },
             viewport,
@@ -54,7 +58,7 @@ impl Cube {
                 None => HomFrame::new(&view, self.level, &self.parameters)?,
             };
             let frame = hom::select_occluders(world, self.level, &view, &self.parameters, frame)?;
-            let (set, frame) = hom::cull(world, &self.parameters, hom::build_pyramid(frame))?;
+            let (set, frame) = hom::cull(world, &self.workers, &self.parameters, hom::build_pyramid(frame))?;
             self.frame = Some(frame);
             self.canvas.draw(&view, world.scene, &set.objects, 1, |jobs| jobs.iter_mut().for_each(DrawJob::run))?;
             look(self);

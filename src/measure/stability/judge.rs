@@ -230,7 +230,7 @@ impl<'a> Bench<'a> {
             let frame = HomFrame::new(view, self.level, &parameters)?;
             let frame = hom::select_occluders(self.world, self.level, view, &parameters, frame)?;
             let frame = hom::draw_occluders(self.world, &self.workers, frame)?;
-            let (set, frame) = hom::cull(self.world, &parameters, hom::build_pyramid(frame))?;
+            let (set, frame) = hom::cull(self.world, &self.workers, &parameters, hom::build_pyramid(frame))?;
             found.states.push(frame.buffer.state_hash());
             found.hidden.push((way, hidden(&set.objects)));
         }
