@@ -230,9 +230,10 @@ fn oracle_samples(view: &View, boxes: &[(Vec3, Vec3)], triangles: &[[u32; 3]]) -
     samples
 }
 
-/// The samples of a rectangle around a triangle; all of them when it reaches behind the near plane.
+/// The samples of a rectangle around a triangle; all of them when it crosses the near plane, none when it is behind it.
 fn within(corners: [[f64; 5]; 3], w: u32, h: u32) -> impl Iterator<Item = u32> {
-    let cut = corners.iter().any(|c| c[4] <= 0.0);
+    let (cut, behind) = (corners.iter().any(|c| c[4] <= 0.0), corners.iter().all(|c| c[4] <= 0.0));
+    let (w, h) = if behind { (0, 0) } else { (w, h) };
     let range = move |axis: usize, n: u32| {
         let at = corners.map(|c| (c[axis] / c[2] / 256.0).clamp(0.0, n.into()));
         let low = at.into_iter().fold(f64::INFINITY, f64::min).floor() as u32;
@@ -251,10 +252,13 @@ fn wholly_inside(view: &View, (min, max): (Vec3, Vec3)) -> bool {
     })
 }
 
+/// The claim is one about areas; samples can miss what shows through a slit. So *occluded* is what shows no sample of a grid four times
+/// as fine; exceptions are then of one or two samples, and counted, as is what shows between the plain samples only.
 #[test]
 fn what_is_occluded_stays_so_while_the_viewer_turns_in_place() {
     let mut r = Random::new(7);
     let (mut pairs, mut by_library, mut exceptions) = (0, 0, Vec::new());
+    let (mut between, mut between_next) = (0, 0);
     for round in 0..8 {
         // Boxes all around, none nearer than the near plane reaches, at whatever angle the viewer stands.
         let boxes: Vec<(Vec3, Vec3)> = (0..150)
@@ -273,38 +277,44 @@ fn what_is_occluded_stays_so_while_the_viewer_turns_in_place() {
         let scene = b.prepared();
         let up = DVec3::new(r.range(-0.3, 0.3), 1.0, r.range(-0.3, 0.3));
         let (mut heading, turn) = (r.range(0.0, 6.0), r.range(0.05, 0.3));
-        let views: Vec<View> = (0..5)
+        let lenses: Vec<Camera> = (0..5)
             .map(|_| {
                 heading += turn;
                 let target = DVec3::new(heading.sin(), r.range(-0.2, 0.2), heading.cos());
-                let lens = Camera { eye: DVec3::ZERO, target, up, fov_y_deg: 80.0, near: 0.1, far: None };
-                lens.view(viewport(72, 56)).unwrap()
+                Camera { eye: DVec3::ZERO, target, up, fov_y_deg: 80.0, near: 0.1, far: None }
             })
             .collect();
-        let samples: Vec<Vec<u32>> =
-            views.iter().map(|view| oracle_samples(view, &boxes, &oracle::scenes::CUBOID)).collect();
+        let seen = |scale: u32| -> Vec<(View, Vec<u32>)> {
+            let views = lenses.iter().map(|lens| lens.view(viewport(72 * scale, 56 * scale)).unwrap());
+            views.map(|view| (view, oracle_samples(&view, &boxes, &oracle::scenes::CUBOID))).collect()
+        };
+        let (plain, fine) = (seen(1), seen(4));
+        let views: Vec<View> = plain.iter().map(|p| p.0).collect();
         let frames = walk(&scene, &with(Selection::Temporal, 1), &views, &[]);
         for n in 0..views.len() - 1 {
-            for (id, &b) in boxes.iter().enumerate() {
-                if !wholly_inside(&views[n], b) || !wholly_inside(&views[n + 1], b) {
-                    continue;
-                }
+            let both = |b| wholly_inside(&views[n], b) && wholly_inside(&views[n + 1], b);
+            for (id, _) in boxes.iter().enumerate().filter(|&(_, &b)| both(b)) {
+                let (now, next) = (plain[n].1[id], plain[n + 1].1[id]);
                 let culled = !frames[n].drawn.contains(&(id as u32));
-                by_library += usize::from(culled);
-                if samples[n][id] == 0 {
+                assert!(!culled || now == 0, "round {round}, frame {n}, object {id} is culled and shows {now} samples");
+                if fine[n].1[id] == 0 {
                     pairs += 1;
-                    if samples[n + 1][id] > 0 {
-                        exceptions.push((round, n, id, samples[n + 1][id]));
-                    }
-                } else {
-                    assert!(!culled, "round {round}, frame {n}, object {id} shows {} samples", samples[n][id]);
+                    by_library += usize::from(culled);
+                    exceptions.extend((next > 0).then_some((round, n, id, next)));
+                } else if now == 0 {
+                    between += 1;
+                    between_next = between_next.max(next);
                 }
             }
         }
     }
     println!("{pairs} objects occluded in a frame and in both frusta, {by_library} of them culled by the library;");
-    println!("{} of them show 1 or 2 samples in the next frame: {exceptions:?}", exceptions.len());
-    assert!(pairs > 300 && by_library > 100, "{pairs}, {by_library}: the scenes prove nothing");
+    println!(
+        "{} of them show samples in the next frame: (round, frame, object, samples) {exceptions:?}",
+        exceptions.len()
+    );
+    println!("{between} others show between samples only, and up to {between_next} samples in the next frame");
+    assert!(pairs > 250 && by_library > 200, "{pairs}, {by_library}: the scenes prove nothing");
     assert!(exceptions.iter().all(|e| e.3 <= 2), "more than 2 samples of what was occluded: {exceptions:?}");
-    assert!(exceptions.len() * 20 <= pairs, "{} of {pairs} are too many to lie between samples", exceptions.len());
+    assert!(exceptions.len() * 50 <= pairs, "{} of {pairs} are too many to lie between samples", exceptions.len());
 }
