@@ -14,7 +14,7 @@ use super::method::{HomParameters, Selection, Update};
 use super::vfc::World;
 use super::{VisibleSet, progressive};
 use crate::error::Result;
-use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes, Thresholds};
+use crate::occlusion::{Assessment, BandJob, Occluder, OcclusionBuffer, ProjectedBoxes};
 use crate::select::{select_by_distance, select_by_z_plane};
 use crate::view::{View, Viewport};
 use crate::workers::Workers;
@@ -55,6 +55,7 @@ pub struct HomFrame {
     chosen: Vec<u32>,
     occluders: Vec<Occluder>,
     hidden: Vec<bool>,
+    assessed: Vec<Assessment>,
     /// How long culling still rests, and whether it does in this frame.
     rest: Rest,
     resting: bool,
@@ -64,22 +65,18 @@ impl HomFrame {
     /// A frame for views of one size.
     ///
     /// # Errors
-    /// As for [`OcclusionBuffer::with_level`] and [`Thresholds::uniform`].
+    /// As for [`OcclusionBuffer::with_level`] and [`HomParameters::thresholds`].
     pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
         let viewport = parameters.resolution.unwrap_or(view.viewport());
-        let thresholds = match parameters.threshold {
-            1.0 => Thresholds::conservative(),
-            t => Thresholds::uniform(t)?,
-        };
-        let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };
         Ok(HomFrame {
-            buffer: OcclusionBuffer::with_level(viewport, level, settings)?,
+            buffer: OcclusionBuffer::with_level(viewport, level, parameters.occlusion_settings()?)?,
             view: view.resized(viewport),
             boxes: ProjectedBoxes::new(),
             stack: Vec::new(),
             chosen: Vec::new(),
             occluders: Vec::new(),
             hidden: Vec::new(),
+            assessed: Vec::new(),
             rest: Rest::default(),
             resting: false,
         })
@@ -132,7 +129,7 @@ pub fn select_occluders(
     }
     frame.buffer.begin(&frame.view)?;
     frame.occluders.clear();
-    let walks_tree = parameters.update == Update::Always && frame.buffer.settings().thresholds.is_conservative();
+    let walks_tree = parameters.update == Update::Always && !frame.buffer.walks_pyramid();
     if walks_tree {
         frame.boxes.clear();
         return Ok(frame);
@@ -142,7 +139,9 @@ pub fn select_occluders(
         return Ok(frame);
     }
     let scene = world.scene;
-    let candidates = frame.boxes.boxes().iter().map(|b| b.id()).filter(|&id| scene.occluders[id as usize].opaque);
+    let fuses = parameters.fusion.is_some();
+    let candidates = frame.boxes.boxes().iter().map(|b| b.id());
+    let candidates = candidates.filter(|&id| occludes(&scene.occluders[id as usize], fuses));
     let eye = (view.eye() - scene.origin).as_vec3();
     match parameters.select {
         Selection::Distance(measure) => {
@@ -205,10 +204,10 @@ pub fn cull(world: &World<'_>, parameters: &HomParameters, frame: HomFrame) -> R
         frame.rest.left -= 1;
         return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.boxes) }, frame));
     }
-    let conservative = frame.buffer.settings().thresholds.is_conservative();
+    let through_tree = !frame.buffer.walks_pyramid();
     let set = match parameters.update {
         Update::Once => one_pass(world, parameters, &mut frame)?,
-        Update::Always if conservative => progressive::cull(world, parameters, &mut frame),
+        Update::Always if through_tree => progressive::cull(world, parameters, &mut frame),
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
@@ -238,8 +237,14 @@ impl Bypass {
     }
 }
 
+/// Whether something covers anything: by itself, or fused with others.
+fn occludes(occluder: &Occluder, fuses: bool) -> bool {
+    occluder.opaque || fuses && occluder.optical_depth > 0
+}
+
 fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, hidden, .. } = frame;
+    let HomFrame { buffer, boxes, hidden, assessed, .. } = frame;
+    let walks_pyramid = buffer.walks_pyramid();
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     for from in (0..boxes.len()).step_by(BYPASS_BATCH) {
@@ -248,7 +253,16 @@ fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame)
             hidden.clear();
             hidden.resize(batch.len(), false);
         } else {
-            buffer.test_projected(boxes, batch.clone(), &world.scene.bounds, world.scene.origin, hidden)?;
+            let scene = world.scene;
+            if walks_pyramid {
+                let colors = &scene.occluders;
+                buffer.assess_projected(boxes, batch.clone(), &scene.bounds, scene.origin, colors, assessed)?;
+                assessed.iter().for_each(|a| set.overlap.add(a));
+                hidden.clear();
+                hidden.extend(assessed.iter().map(|a| a.verdict.is_hidden()));
+            } else {
+                buffer.test_projected(boxes, batch.clone(), &scene.bounds, scene.origin, hidden)?;
+            }
             set.queries += batch.len() as u64;
         }
         for (b, &hidden) in boxes.boxes()[batch].iter().zip(&*hidden) {
@@ -276,6 +290,7 @@ fn multi_pass(
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     let mut gathered = 0;
+    let fuses = parameters.fusion.is_some();
     occluders.clear();
     for (i, b) in boxes.boxes().iter().enumerate() {
         let id = b.id();
@@ -289,14 +304,21 @@ fn multi_pass(
             continue;
         }
         set.queries += 1;
-        let hidden = buffer.test_one_projected(b, &scene.bounds, scene.origin)?.is_hidden();
+        let hidden = if buffer.walks_pyramid() {
+            let luminance = Some(scene.occluders[id as usize].luminance);
+            let assessed = buffer.assess_one_projected(b, &scene.bounds, scene.origin, luminance)?;
+            set.overlap.add(&assessed);
+            assessed.verdict.is_hidden()
+        } else {
+            buffer.test_one_projected(b, &scene.bounds, scene.origin)?.is_hidden()
+        };
         bypass.saw(hidden);
         if hidden {
             set.triangles_hidden += triangles;
             continue;
         }
         set.objects.push(id);
-        if scene.occluders[id as usize].opaque {
+        if occludes(&scene.occluders[id as usize], fuses) {
             occluders.push(scene.occluders[id as usize]);
             gathered += triangles;
             if gathered > update_triangles {

@@ -4,6 +4,7 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+pub mod fade;
 pub mod frustum;
 pub mod hom;
 pub mod ideal;
@@ -11,7 +12,10 @@ mod method;
 mod progressive;
 pub mod vfc;
 
-pub use method::{HomParameters, Method, MethodDescription, Selection, Update, methods};
+use crate::occlusion::OverlapStatistics;
+
+pub use fade::FadeIn;
+pub use method::{Hole, HomParameters, Method, MethodDescription, Selection, Update, methods};
 
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -26,6 +30,8 @@ pub struct VisibleSet {
     pub triangles_hidden: u64,
     /// Occlusion tests of objects and nodes.
     pub queries: u64,
+    /// Of the tests that walked the pyramid, by the level that decided them (thesis 8.2.4).
+    pub overlap: OverlapStatistics,
     /// True when testing was given up for the frame because nothing was hidden.
     pub bypassed: bool,
 }

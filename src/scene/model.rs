@@ -21,8 +21,16 @@ pub struct Object {
     pub facing: Facing,
     /// Base colour, sRGB.
     pub color: [u8; 3],
-    /// False for glass, leaf cards and the like: such an object is drawn but must never be taken as an occluder.
-    pub opaque: bool,
+    /// What its material lets through is 1 less this: 1 is opaque. Anything less (glass, leaf cards, what is not a number) is
+    /// drawn but never taken as an opaque occluder; 0 also where the material does not say how much comes through.
+    pub opacity: f32,
+}
+
+impl Object {
+    /// True when nothing comes through.
+    pub fn is_opaque(&self) -> bool {
+        self.opacity >= 1.0
+    }
 }
 
 /// Objects, and the meshes they are instances of.

@@ -49,7 +49,7 @@ impl Stock {
         self.triangles += self.meshes[mesh as usize].triangles().len() as u64;
         let (rotation, facing) = (Mat3::IDENTITY, Facing::Front);
         self.pieces
-            .push(Piece { rank, object: Object { name, mesh, rotation, position, facing, color, opaque: true } });
+            .push(Piece { rank, object: Object { name, mesh, rotation, position, facing, color, opacity: 1.0 } });
     }
 
     /// Places a shape that is used once; nothing for an empty one. Details of more than [`DETAIL`] triangles become several
@@ -127,7 +127,7 @@ impl Stock {
             scene.meshes.push(solid.mesh());
             let (rotation, facing, color) = (Mat3::IDENTITY, Facing::Front, [186, 172, 148]);
             let object =
-                Object { name: "monument".into(), mesh, rotation, position: spare, facing, color, opaque: true };
+                Object { name: "monument".into(), mesh, rotation, position: spare, facing, color, opacity: 1.0 };
             scene.objects.push(object);
         }
         scene
