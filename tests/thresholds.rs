@@ -6,7 +6,8 @@ mod oracle;
 use glam::{DVec3, Vec3};
 use homcull::geometry::{Aabb, SampleRect};
 use homcull::occlusion::{
-    ActiveLevels, Hidden, OcclusionBuffer, OcclusionSettings, PyramidShape, Thresholds, Verdict, Visible,
+    ActiveLevels, BoxSet, Hidden, OcclusionBuffer, OcclusionSettings, OverlapStatistics, ProjectedBoxes, PyramidShape,
+    Thresholds, Verdict, Visible,
 };
 use homcull::raster::Facing;
 use homcull::scene::PreparedScene;
@@ -346,20 +347,24 @@ fn tests_are_counted_by_the_level_that_decided_them() {
     let settings = OcclusionSettings { thresholds, ..OcclusionSettings::default() };
     let rects: Vec<SampleRect> = (0..300).map(|_| maps::random_rect(&mut r, &map)).collect();
     let bounds: Vec<Aabb> = rects.iter().map(|&r| behind(r)).collect();
-    let boxes = homcull::occlusion::BoxSet::new(&bounds);
+    let boxes = BoxSet::new(&bounds);
     for_levels("counts", |level| {
         let buffer = drawn(level, &view, &scene, &settings);
-        let mut projected = homcull::occlusion::ProjectedBoxes::new();
+        let mut projected = ProjectedBoxes::new();
         buffer.project(&boxes, DVec3::ZERO, &mut projected).unwrap();
         let (mut answers, mut hidden) = (Vec::new(), Vec::new());
         buffer.assess_projected(&projected, 0..projected.len(), &bounds, DVec3::ZERO, &[], &mut answers).unwrap();
         buffer.test_projected(&projected, 0..projected.len(), &bounds, DVec3::ZERO, &mut hidden).unwrap();
-        let mut statistics = homcull::occlusion::OverlapStatistics::default();
+        let mut statistics = OverlapStatistics::default();
         for (b, (answer, &hidden)) in projected.boxes().iter().zip(answers.iter().zip(&hidden)) {
             assert_eq!(*answer, buffer.assess(bounds[b.id() as usize], DVec3::ZERO, None).unwrap());
             assert_eq!(answer.verdict.is_hidden(), hidden);
             statistics.add(answer);
         }
+        let (mut counted, mut flags) = (OverlapStatistics::default(), Vec::new());
+        let all = 0..projected.len();
+        buffer.test_projected_counted(&projected, all, &bounds, DVec3::ZERO, &[], &mut flags, &mut counted).unwrap();
+        assert_eq!((&counted, &flags), (&statistics, &hidden));
         let (passed, failed) = (statistics.passed.iter().sum::<u64>(), statistics.failed.iter().sum::<u64>());
         assert_eq!(passed, hidden.iter().filter(|&&h| h).count() as u64);
         assert_eq!(passed + failed, 300);

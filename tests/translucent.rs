@@ -52,7 +52,9 @@ fn random_panes(r: &mut Random, width: u32, height: u32) -> Vec<Pane> {
 fn sample(panes: &[Pane], fusion: Option<f64>, x: u32, y: u32) -> (bool, f32) {
     let over = || panes.iter().filter(|p| (p.x[0]..p.x[1]).contains(&x) && (p.y[0]..p.y[1]).contains(&y));
     let opaque = over().filter(|p| p.opacity == 1.0).map(|p| p.z).fold(0.0, f32::max);
-    let depth = |p: &Pane| if p.opacity > 0.0 && p.opacity < 1.0 { (-256.0 * (1.0 - f64::from(p.opacity)).log2()) as u32 } else { 0 };
+    let depth = |p: &Pane| {
+        if p.opacity > 0.0 && p.opacity < 1.0 { (-256.0 * (1.0 - f64::from(p.opacity)).log2()) as u32 } else { 0 }
+    };
     let layers: Vec<(u32, f32)> = over().map(|p| (depth(p), p.z)).filter(|&(d, _)| d > 0).collect();
     let sum = f64::from(layers.iter().map(|&(d, _)| d).sum::<u32>());
     let fuses = fusion.is_some_and(|f| !layers.is_empty() && sum >= (-256.0 * (1.0 - f).log2()).ceil());

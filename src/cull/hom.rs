@@ -11,10 +11,11 @@ use glam::Vec3;
 use homcull_simd::Level;
 
 use super::method::{HomParameters, Selection, Update};
+use super::test_batch::{occludes, test_batch};
 use super::vfc::World;
 use super::{VisibleSet, progressive};
 use crate::error::Result;
-use crate::occlusion::{Assessment, BandJob, Occluder, OcclusionBuffer, ProjectedBoxes};
+use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes};
 use crate::select::{select_by_distance, select_by_z_plane};
 use crate::view::{View, Viewport};
 use crate::workers::Workers;
@@ -55,7 +56,6 @@ pub struct HomFrame {
     chosen: Vec<u32>,
     occluders: Vec<Occluder>,
     hidden: Vec<bool>,
-    assessed: Vec<Assessment>,
     /// How long culling still rests, and whether it does in this frame.
     rest: Rest,
     resting: bool,
@@ -65,18 +65,18 @@ impl HomFrame {
     /// A frame for views of one size.
     ///
     /// # Errors
-    /// As for [`OcclusionBuffer::with_level`] and [`HomParameters::thresholds`].
+    /// As for [`OcclusionBuffer::with_level`] and [`OverlapParameters::thresholds`](super::OverlapParameters::thresholds).
     pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
         let viewport = parameters.resolution.unwrap_or(view.viewport());
+        let settings = OcclusionSettings { depth: parameters.depth, ..parameters.overlap.settings()? };
         Ok(HomFrame {
-            buffer: OcclusionBuffer::with_level(viewport, level, parameters.occlusion_settings()?)?,
+            buffer: OcclusionBuffer::with_level(viewport, level, settings)?,
             view: view.resized(viewport),
             boxes: ProjectedBoxes::new(),
             stack: Vec::new(),
             chosen: Vec::new(),
             occluders: Vec::new(),
             hidden: Vec::new(),
-            assessed: Vec::new(),
             rest: Rest::default(),
             resting: false,
         })
@@ -139,9 +139,7 @@ pub fn select_occluders(
         return Ok(frame);
     }
     let scene = world.scene;
-    let fuses = parameters.fusion.is_some();
-    let candidates = frame.boxes.boxes().iter().map(|b| b.id());
-    let candidates = candidates.filter(|&id| occludes(&scene.occluders[id as usize], fuses));
+    let candidates = frame.boxes.boxes().iter().map(|b| b.id()).filter(|&id| occludes(&frame.buffer, scene, id));
     let eye = (view.eye() - scene.origin).as_vec3();
     match parameters.select {
         Selection::Distance(measure) => {
@@ -237,14 +235,8 @@ impl Bypass {
     }
 }
 
-/// Whether something covers anything: by itself, or fused with others.
-fn occludes(occluder: &Occluder, fuses: bool) -> bool {
-    occluder.opaque || fuses && occluder.optical_depth > 0
-}
-
 fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, hidden, assessed, .. } = frame;
-    let walks_pyramid = buffer.walks_pyramid();
+    let HomFrame { buffer, boxes, hidden, .. } = frame;
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     for from in (0..boxes.len()).step_by(BYPASS_BATCH) {
@@ -253,16 +245,7 @@ fn one_pass(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame)
             hidden.clear();
             hidden.resize(batch.len(), false);
         } else {
-            let scene = world.scene;
-            if walks_pyramid {
-                let colors = &scene.occluders;
-                buffer.assess_projected(boxes, batch.clone(), &scene.bounds, scene.origin, colors, assessed)?;
-                assessed.iter().for_each(|a| set.overlap.add(a));
-                hidden.clear();
-                hidden.extend(assessed.iter().map(|a| a.verdict.is_hidden()));
-            } else {
-                buffer.test_projected(boxes, batch.clone(), &scene.bounds, scene.origin, hidden)?;
-            }
+            test_batch(buffer, world.scene, boxes, batch.clone(), hidden, &mut set.overlap)?;
             set.queries += batch.len() as u64;
         }
         for (b, &hidden) in boxes.boxes()[batch].iter().zip(&*hidden) {
@@ -285,12 +268,11 @@ fn multi_pass(
     update_triangles: u64,
     frame: &mut HomFrame,
 ) -> Result<VisibleSet> {
-    let HomFrame { buffer, boxes, occluders, .. } = frame;
+    let HomFrame { buffer, boxes, occluders, hidden, .. } = frame;
     let scene = world.scene;
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     let mut gathered = 0;
-    let fuses = parameters.fusion.is_some();
     occluders.clear();
     for (i, b) in boxes.boxes().iter().enumerate() {
         let id = b.id();
@@ -304,21 +286,15 @@ fn multi_pass(
             continue;
         }
         set.queries += 1;
-        let hidden = if buffer.walks_pyramid() {
-            let luminance = Some(scene.occluders[id as usize].luminance);
-            let assessed = buffer.assess_one_projected(b, &scene.bounds, scene.origin, luminance)?;
-            set.overlap.add(&assessed);
-            assessed.verdict.is_hidden()
-        } else {
-            buffer.test_one_projected(b, &scene.bounds, scene.origin)?.is_hidden()
-        };
+        test_batch(buffer, scene, boxes, i..i + 1, hidden, &mut set.overlap)?;
+        let hidden = hidden[0];
         bypass.saw(hidden);
         if hidden {
             set.triangles_hidden += triangles;
             continue;
         }
         set.objects.push(id);
-        if occludes(&scene.occluders[id as usize], fuses) {
+        if occludes(buffer, scene, id) {
             occluders.push(scene.occluders[id as usize]);
             gathered += triangles;
             if gathered > update_triangles {

@@ -1,10 +1,8 @@
 //! Methods by name and parameters, as they are written on the command line: `hom:depth=nbz,threshold=0.85`.
 
+use super::overlap_parameters::{OverlapParameters, overlap_parameters};
 use crate::error::{Error, Result};
-use crate::occlusion::{
-    ActiveLevels, DEFAULT_DISTRIBUTION, DepthReading, OcclusionSettings, PyramidShape, Thresholds,
-    next_opacity_threshold, opacity_threshold,
-};
+use crate::occlusion::DepthReading;
 use crate::select::{DEFAULT_TRIANGLES, Measure};
 use crate::view::Viewport;
 
@@ -39,15 +37,6 @@ pub enum Selection {
     ZPlane(f32),
 }
 
-/// The L-k-hole constraint: at most so many open samples in any window of the size of a level-k pixel are no hole.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Hole {
-    /// L, in samples; below the samples of the pixel.
-    pub samples: u32,
-    /// k, at most the finest active level, which it is when `None`.
-    pub level: Option<usize>,
-}
-
 /// Parameters of the hom methods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HomParameters {
@@ -61,24 +50,8 @@ pub struct HomParameters {
     pub occluder_triangles: u64,
     /// Samples of the occlusion buffer; the display's when `None`. Others are not conservative.
     pub resolution: Option<Viewport>,
-    /// Opacity threshold of the finest active level, above 0 and at most 1. Below 1 is not conservative.
-    pub threshold: f64,
-    /// The L-k-hole constraint, from which the threshold then follows (5.3.3.1).
-    pub hole: Option<Hole>,
-    /// The distribution factor D, 1 to 4: how thresholds follow from level to level.
-    pub distribution: f64,
-    /// Transparency threshold of the finest active level, 0 up to its opacity threshold: conservative rejection.
-    pub transparency: f64,
-    /// Levels that overlap tests use (8.2.4). When given, tests walk the pyramid even at thresholds of 1, and are counted by the
-    /// level that decides them.
-    pub levels: Option<ActiveLevels>,
-    /// Whether opacity thresholds are raised by contrast (5.3.2).
-    pub contrast: bool,
-    /// Block of samples of a level-0 pixel, and minimal resolution of the pyramid (4.1, 4.2).
-    pub pyramid: PyramidShape,
-    /// The opacity from which translucent occluders count together as covering a sample (4.4); `None` leaves them out. Not
-    /// conservative where the draw shows what shines through.
-    pub fusion: Option<f64>,
+    /// How rectangles are tested against the occlusion maps: thresholds, levels, blocks, fusion.
+    pub overlap: OverlapParameters,
     /// Consecutive tests without a hidden object after which testing ends for the frame.
     pub bypass_after: u32,
     /// Frames that culling rests after one that hid next to nothing; 0 never rests.
@@ -104,14 +77,7 @@ impl HomParameters {
             select: Selection::Distance(Measure::Center),
             occluder_triangles: DEFAULT_TRIANGLES,
             resolution: None,
-            threshold: 1.0,
-            hole: None,
-            distribution: DEFAULT_DISTRIBUTION,
-            transparency: 0.0,
-            levels: None,
-            contrast: false,
-            pyramid: PyramidShape::default(),
-            fusion: None,
+            overlap: OverlapParameters::default(),
             bypass_after: DEFAULT_BYPASS,
             rest: DEFAULT_REST,
         }
@@ -119,50 +85,7 @@ impl HomParameters {
 
     /// True when the picture is guaranteed to stay the same.
     pub fn is_conservative(&self) -> bool {
-        self.threshold == 1.0 && self.hole.is_none() && self.fusion.is_none() && self.resolution.is_none()
-    }
-
-    /// Opacity and transparency thresholds of the active levels.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when L, k, D or a threshold does not go with the others.
-    pub fn thresholds(&self) -> Result<Thresholds> {
-        let finest = self.levels.map_or(0, |levels| levels.finest);
-        let opacity = match self.hole {
-            None => self.threshold,
-            Some(hole) => {
-                let k = hole.level.unwrap_or(finest);
-                if k > finest {
-                    let reason =
-                        format!("at most {finest}, the finest active level: finer ones would have no threshold");
-                    return Err(Error::parameter("k", k, reason));
-                }
-                let pixel = self.pyramid.block_samples().saturating_mul(1 << (2 * k.min(31)));
-                let at_k = opacity_threshold(hole.samples, pixel, self.distribution)?;
-                (k..finest).fold(at_k, |t, _| next_opacity_threshold(t, self.distribution))
-            }
-        };
-        let thresholds = match opacity {
-            1.0 => Thresholds::conservative(),
-            t => Thresholds::from_finest(t, self.distribution)?,
-        };
-        thresholds.with_transparency(self.transparency, self.distribution)
-    }
-
-    /// The buffer's settings.
-    ///
-    /// # Errors
-    /// Those of [`HomParameters::thresholds`].
-    pub fn occlusion_settings(&self) -> Result<OcclusionSettings> {
-        Ok(OcclusionSettings {
-            thresholds: self.thresholds()?,
-            depth: self.depth,
-            levels: self.levels,
-            contrast: self.contrast,
-            pyramid: self.pyramid,
-            fusion: self.fusion,
-            ..OcclusionSettings::default()
-        })
+        self.overlap.is_conservative() && self.resolution.is_none()
     }
 }
 
@@ -181,16 +104,12 @@ pub struct MethodDescription {
     pub when: &'static str,
 }
 
-/// What all hom methods take, said once.
+/// What all hom methods take.
 macro_rules! hom_parameters {
     () => {
-        "depth=nbz|nbz-block, threshold=1 (0 to 1, of the finest active level) or hole=L with k=K, d=2 (1 to 4), \
-         transparency=0 (to the threshold), levels=A-B (all), contrast=off|on, block=8x8, minimal=1x1, fusion=off|OPACITY, \
-         resolution=WxH (the display's), bypass=384, rest=15"
+        concat!("depth=nbz|nbz-block, resolution=WxH (the display's), bypass=384, rest=15, ", overlap_parameters!())
     };
 }
-
-const HOM_PARAMETERS: &str = hom_parameters!();
 
 /// All methods.
 pub fn methods() -> &'static [MethodDescription] {
@@ -223,7 +142,7 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom-progressive",
             source: "Zhang 1998, 2.1.4 and figure 2.3, through the hierarchy",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: HOM_PARAMETERS,
+            parameters: hom_parameters!(),
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
@@ -260,7 +179,7 @@ impl Method {
             method.set(name, key, value)?;
         }
         if let Method::Hom(p) = &method {
-            p.check(parameters)?;
+            p.overlap.check(parameters)?;
         }
         Ok(method)
     }
@@ -329,40 +248,6 @@ impl HomParameters {
                 self.select = Selection::ZPlane(z);
             }
             ("occluder-triangles", _) => self.occluder_triangles = number("a number of triangles")?,
-            ("threshold", _) => {
-                let t = value.parse::<f64>().ok().filter(|t| *t > 0.0 && *t <= 1.0);
-                self.threshold = t.ok_or_else(|| bad("an opacity above 0 and at most 1"))?;
-            }
-            ("hole", _) => {
-                let samples = number("a number of samples")?;
-                let samples = u32::try_from(samples).map_err(|_| bad("a number of samples"))?;
-                self.hole = Some(Hole { samples, level: self.hole.and_then(|h| h.level) });
-            }
-            ("k", _) => {
-                let level = Some(level_number(value).ok_or_else(|| bad("a level, 0 to 15"))?);
-                self.hole = Some(Hole { samples: self.hole.map_or(0, |h| h.samples), level });
-            }
-            ("d", _) => {
-                let d = value.parse::<f64>().ok().filter(|d| (1.0..=4.0).contains(d));
-                self.distribution = d.ok_or_else(|| bad("a distribution factor from 1 to 4"))?;
-            }
-            ("transparency", _) => {
-                let t = value.parse::<f64>().ok().filter(|t| (0.0..=1.0).contains(t));
-                self.transparency = t.ok_or_else(|| bad("an opacity from 0 to the opacity threshold"))?;
-            }
-            ("levels", _) => {
-                self.levels = Some(parse_levels(value).ok_or_else(|| bad("A-B or A-, A at most B, to 15"))?)
-            }
-            ("contrast", "on") => self.contrast = true,
-            ("contrast", "off") => self.contrast = false,
-            ("contrast", _) => return Err(bad("on or off")),
-            ("block", _) => self.pyramid.block = parse_pair(value).ok_or_else(|| bad("MxN, in samples"))?,
-            ("minimal", _) => self.pyramid.minimal = parse_pair(value).ok_or_else(|| bad("WxH, in pixels"))?,
-            ("fusion", "off") => self.fusion = None,
-            ("fusion", _) => {
-                let t = value.parse::<f64>().ok().filter(|t| *t > 0.0 && *t < 1.0);
-                self.fusion = Some(t.ok_or_else(|| bad("off, or an opacity above 0 and below 1"))?);
-            }
             ("resolution", _) => self.resolution = Some(parse_resolution(value)?),
             ("bypass", _) => {
                 let n = number("a number of tests")?;
@@ -372,67 +257,10 @@ impl HomParameters {
                 let n = number("a number of frames")?;
                 self.rest = u32::try_from(n).map_err(|_| bad("0 to 4294967295"))?;
             }
+            _ if self.overlap.set(key, value)? => {}
             _ => return Err(unknown()),
         }
         Ok(())
-    }
-
-    /// What goes with what, of the parameters as written.
-    fn check(&self, written: &str) -> Result<()> {
-        let given = |key: &str| written.split(',').any(|part| part.split_once('=').is_some_and(|(k, _)| k == key));
-        let value = |key: &str| {
-            let of = |part: &str| part.split_once('=').filter(|(k, _)| *k == key).map(|(_, v)| v.to_owned());
-            written.split(',').find_map(of).unwrap_or_default()
-        };
-        let bad = |key: &str, reason: &str| Err(Error::parameter(key, value(key), reason));
-        if given("threshold") && given("hole") {
-            return bad("threshold", "goes without hole=, from which it would follow");
-        }
-        if given("k") && !given("hole") {
-            return bad("k", "goes with hole=");
-        }
-        let below_1 = self.threshold < 1.0 || self.hole.is_some();
-        if given("d") && !below_1 && self.transparency == 0.0 {
-            return bad("d", "goes with a threshold below 1, hole= or transparency=");
-        }
-        if self.contrast && !below_1 {
-            return bad("contrast", "raises thresholds below 1: goes with threshold= or hole=");
-        }
-        self.pyramid.check()?;
-        self.thresholds().map(|_| ())
-    }
-
-    /// What differs from the plain threshold of 1 is listed where it does.
-    fn list_thresholds(&self, out: &mut Vec<(&'static str, String)>) {
-        match self.hole {
-            None => out.push(("threshold", self.threshold.to_string())),
-            Some(hole) => {
-                out.push(("hole", hole.samples.to_string()));
-                out.extend(hole.level.map(|k| ("k", k.to_string())));
-            }
-        }
-        if self.threshold < 1.0 || self.hole.is_some() || self.transparency > 0.0 {
-            out.push(("d", self.distribution.to_string()));
-        }
-        if self.transparency > 0.0 {
-            out.push(("transparency", self.transparency.to_string()));
-        }
-        if let Some(levels) = self.levels {
-            let to = levels.coarsest.map(|b| b.to_string()).unwrap_or_default();
-            out.push(("levels", format!("{}-{to}", levels.finest)));
-        }
-        if self.contrast {
-            out.push(("contrast", "on".into()));
-        }
-        let plain = PyramidShape::default();
-        for (name, pair, default) in
-            [("block", self.pyramid.block, plain.block), ("minimal", self.pyramid.minimal, plain.minimal)]
-        {
-            if pair != default {
-                out.push((name, format!("{}x{}", pair[0], pair[1])));
-            }
-        }
-        out.extend(self.fusion.map(|t| ("fusion", t.to_string())));
     }
 
     fn list(&self) -> Vec<(String, String)> {
@@ -457,27 +285,11 @@ impl HomParameters {
         if let Some(v) = self.resolution {
             out.push(("resolution", format!("{}x{}", v.width(), v.height())));
         }
-        self.list_thresholds(&mut out);
+        self.overlap.list(&mut out);
         out.push(("bypass", self.bypass_after.to_string()));
         out.push(("rest", self.rest.to_string()));
         out.into_iter().map(|(k, v)| (k.to_owned(), v)).collect()
     }
-}
-
-fn level_number(text: &str) -> Option<usize> {
-    text.parse::<usize>().ok().filter(|&level| level <= 15)
-}
-
-fn parse_levels(text: &str) -> Option<ActiveLevels> {
-    let (finest, coarsest) = text.split_once('-')?;
-    let finest = level_number(finest)?;
-    let coarsest = if coarsest.is_empty() { None } else { Some(level_number(coarsest)?) };
-    coarsest.is_none_or(|c| c >= finest).then_some(ActiveLevels { finest, coarsest })
-}
-
-fn parse_pair(text: &str) -> Option<[u32; 2]> {
-    let (a, b) = text.split_once('x')?;
-    Some([a.parse().ok()?, b.parse().ok()?])
 }
 
 fn parse_resolution(value: &str) -> Result<Viewport> {

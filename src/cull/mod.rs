@@ -4,18 +4,21 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
-pub mod fade;
+mod fade;
 pub mod frustum;
 pub mod hom;
 pub mod ideal;
 mod method;
+mod overlap_parameters;
 mod progressive;
+mod test_batch;
 pub mod vfc;
 
 use crate::occlusion::OverlapStatistics;
 
 pub use fade::FadeIn;
-pub use method::{Hole, HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub use method::{HomParameters, Method, MethodDescription, Selection, Update, methods};
+pub use overlap_parameters::{Hole, OverlapParameters};
 
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

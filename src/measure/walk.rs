@@ -17,6 +17,7 @@ use crate::cull::{HomParameters, Method, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
+use crate::occlusion::OverlapStatistics;
 use crate::scene::PreparedScene;
 use crate::view::View;
 use crate::workers::Workers;
@@ -162,6 +163,7 @@ struct Runner<'m> {
     frames: Vec<FrameRecord>,
     image_hash: Hash,
     set_hash: Hash,
+    overlap: OverlapStatistics,
 }
 
 impl<'m> Runner<'m> {
@@ -179,6 +181,7 @@ impl<'m> Runner<'m> {
             frames: Vec::new(),
             image_hash: Hash::default(),
             set_hash: Hash::default(),
+            overlap: OverlapStatistics::default(),
         })
     }
 
@@ -244,6 +247,7 @@ impl<'m> Runner<'m> {
             self.set_hash.add(object.into());
         }
         self.set_hash.add(u64::MAX);
+        self.overlap += &set.overlap;
         let equal = self.canvas.equals(&exact.canvas);
         self.image_hash.add(if equal { exact.hash } else { self.canvas.hash(scene) });
         let visible = |o: &&u32| exact.samples[**o as usize] > 0;
@@ -276,6 +280,7 @@ impl<'m> Runner<'m> {
             frames: self.frames,
             image_hash: self.image_hash.value(),
             visible_set_hash: self.set_hash.value(),
+            overlap: self.overlap,
         }
     }
 }

@@ -12,7 +12,7 @@ use homcull_simd::{Kernel, Simd};
 
 use super::boxes::{ProjectedBox, ProjectedBoxes};
 use super::buffer::{Occluder, OcclusionBuffer};
-use super::overlap::Overlap;
+use super::overlap::{Overlap, OverlapStatistics};
 use super::project::{BoxView, ProjectOne};
 use super::query::rect_word;
 use super::test::{Apart, Representation, test_box, without_box};
@@ -83,7 +83,14 @@ struct Assess<'a> {
     boxes: &'a [ProjectedBox],
     bounds: &'a [Aabb],
     luminance: Luminances<'a>,
-    out: &'a mut Vec<Assessment>,
+    out: Wanted<'a>,
+}
+
+/// What is wanted of every box.
+enum Wanted<'a> {
+    All(&'a mut Vec<Assessment>),
+    /// Whether it is hidden; and of all together, which levels decided.
+    Hidden(&'a mut Vec<bool>, &'a mut OverlapStatistics),
 }
 
 /// Luminances of what is tested.
@@ -98,7 +105,7 @@ impl Kernel for Assess<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Assess { buffer, view, boxes, bounds, luminance, out } = self;
+        let Assess { buffer, view, boxes, bounds, luminance, mut out } = self;
         let no_sample_is_hidden = buffer.settings.no_sample_is_hidden;
         let mut state = Recording { state: buffer.apart(), luminance: None, last: Cell::new(None) };
         for b in boxes {
@@ -112,7 +119,17 @@ impl Kernel for Assess<'_> {
                 },
             };
             let verdict = test_box(s, &state, view, b, bounds, no_sample_is_hidden);
-            out.push(buffer.assessment(verdict, state.last.get()));
+            match &mut out {
+                Wanted::All(out) => out.push(buffer.assessment(verdict, state.last.get())),
+                Wanted::Hidden(hidden, statistics) => {
+                    hidden.push(verdict.is_hidden());
+                    if let Some((_, overlap)) = state.last.get()
+                        && state.state.overlap.is_some()
+                    {
+                        statistics.add_overlap(overlap);
+                    }
+                }
+            }
         }
     }
 }
@@ -152,30 +169,38 @@ impl OcclusionBuffer {
     ) -> Result<()> {
         let view = &self.box_view(self.begun()?, origin);
         out.clear();
-        let luminance = Luminances::ById(occluders);
+        let (luminance, out) = (Luminances::ById(occluders), Wanted::All(out));
         self.level.run(Assess { buffer: self, view, boxes: &boxes.boxes[range], bounds, luminance, out });
         Ok(())
     }
 
-    /// Assesses one projected box.
+    /// Tests projected boxes as [`OcclusionBuffer::test_projected`] does, with the luminances of `occluders`, by id, and counts
+    /// the tests by the level that decided them, where the pyramid is walked. Cheaper than to assess them.
     ///
     /// # Errors
     /// [`Error::View`](crate::Error::View) when no view has begun.
-    pub fn assess_one_projected(
+    #[allow(clippy::too_many_arguments)] // as for `test_projected`, and two more
+    pub fn test_projected_counted(
         &self,
-        b: &ProjectedBox,
+        boxes: &ProjectedBoxes,
+        range: Range<usize>,
         bounds: &[Aabb],
         origin: DVec3,
-        luminance: Option<u8>,
-    ) -> Result<Assessment> {
-        let view = self.box_view(self.begun()?, origin);
-        Ok(self.assess_one(&view, b, bounds, luminance))
+        occluders: &[Occluder],
+        hidden: &mut Vec<bool>,
+        statistics: &mut OverlapStatistics,
+    ) -> Result<()> {
+        let view = &self.box_view(self.begun()?, origin);
+        hidden.clear();
+        let (luminance, out) = (Luminances::ById(occluders), Wanted::Hidden(hidden, statistics));
+        self.level.run(Assess { buffer: self, view, boxes: &boxes.boxes[range], bounds, luminance, out });
+        Ok(())
     }
 
     fn assess_one(&self, view: &BoxView, b: &ProjectedBox, bounds: &[Aabb], luminance: Option<u8>) -> Assessment {
         let mut out = Vec::with_capacity(1);
         let (boxes, luminance) = (std::slice::from_ref(b), Luminances::Same(luminance));
-        self.level.run(Assess { buffer: self, view, boxes, bounds, luminance, out: &mut out });
+        self.level.run(Assess { buffer: self, view, boxes, bounds, luminance, out: Wanted::All(&mut out) });
         out.swap_remove(0)
     }
 

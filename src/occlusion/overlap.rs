@@ -74,13 +74,23 @@ pub struct OverlapStatistics {
 impl OverlapStatistics {
     /// Counts a test, if the pyramid decided it.
     pub fn add(&mut self, assessment: &Assessment) {
-        let Some(level) = assessment.decided_at else { return };
-        let failed = assessment.verdict == Verdict::Visible(Visible::Uncovered);
-        let counts = if failed { &mut self.failed } else { &mut self.passed };
-        if counts.len() <= level {
-            counts.resize(level + 1, 0);
+        if let Some(level) = assessment.decided_at {
+            let passed = assessment.verdict != Verdict::Visible(Visible::Uncovered);
+            self.add_overlap(Overlap { passed, level });
         }
-        counts[level] += 1;
+    }
+
+    pub(crate) fn add_overlap(&mut self, overlap: Overlap) {
+        let counts = if overlap.passed { &mut self.passed } else { &mut self.failed };
+        if counts.len() <= overlap.level {
+            counts.resize(overlap.level + 1, 0);
+        }
+        counts[overlap.level] += 1;
+    }
+
+    /// True when nothing was counted.
+    pub fn is_empty(&self) -> bool {
+        self.passed.is_empty() && self.failed.is_empty()
     }
 }
 
