@@ -162,19 +162,19 @@ fn is_hidden(buffer: &OcclusionBuffer, [x0, y0, x1, y1]: [u32; 4], z: f32) -> bo
     buffer.test(Aabb { min, max }, DVec3::ZERO).unwrap().is_hidden()
 }
 
-/// Two panes before a box, one behind the other, a box between them, and one in front.
+/// Two panes, one behind the other; a box in front of them, one between, and one behind, none before another.
 fn panes(opacity: f32) -> (View, PreparedScene) {
     let camera = Camera { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, fov_y_deg: 60.0, near: 0.1, far: None };
     let mut b = Builder::new();
-    let mut slab = |half: f32, z: f32, opacity: f32| {
-        let (min, max) = (Vec3::new(-half, -half, z - 0.2), Vec3::new(half, half, z));
+    let mut slab = |x: f32, half: f32, z: f32, opacity: f32| {
+        let (min, max) = (Vec3::new(x - half, -half, z - 0.2), Vec3::new(x + half, half, z));
         b.cuboid(min, max, Facing::Front).opacity = opacity;
     };
-    slab(0.5, -3.0, 1.0);
-    slab(20.0, -5.0, opacity);
-    slab(1.0, -7.0, 1.0);
-    slab(20.0, -9.0, opacity);
-    slab(1.5, -12.0, 1.0);
+    slab(-1.0, 0.3, -3.0, 1.0);
+    slab(0.0, 20.0, -5.0, opacity);
+    slab(0.0, 0.8, -7.0, 1.0);
+    slab(0.0, 20.0, -9.0, opacity);
+    slab(4.0, 1.0, -12.0, 1.0);
     (camera.view(viewport(96, 80)).unwrap(), b.prepared())
 }
 
