@@ -6,6 +6,7 @@ mod scenes;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use homcull::occlusion::Occluder;
+use homcull::occlusion::OcclusionSettings;
 use scenes::{Case, Stage, on_one_and_two_threads, on_one_thread};
 
 fn main() {
@@ -37,15 +38,13 @@ fn coverage_and_depth(bencher: Bencher<'_, '_>, case: &Case) {
 /// Without the cluster test: every triangle is looked at.
 #[divan::bench(args = on_one_thread())]
 fn without_cluster_test(bencher: Bencher<'_, '_>, case: &Case) {
-    let mut stage = Stage::new(case);
-    stage.buffer.settings_mut().cluster_test = false;
+    let mut stage = Stage::with(case, OcclusionSettings { cluster_test: false, ..OcclusionSettings::default() });
     draw_all(bencher, &mut stage);
 }
 
 /// The occlusion map alone.
 #[divan::bench(args = on_one_thread())]
 fn coverage(bencher: Bencher<'_, '_>, case: &Case) {
-    let mut stage = Stage::new(case);
-    stage.buffer.settings_mut().keep_depth = false;
+    let mut stage = Stage::with(case, OcclusionSettings { keep_depth: false, ..OcclusionSettings::default() });
     draw_all(bencher, &mut stage);
 }

@@ -59,7 +59,8 @@ impl Street {
     /// Places the cube with its middle at `position`. Sizes go into the matrix; a vertex is `rotation * v + position`.
     fn add(&mut self, mesh: MeshId, position: DVec3, size: Vec3) {
         let rotation = Some(Mat3::from_diagonal(size));
-        self.occluders.push(Occluder { mesh, position, rotation, facing: Facing::Front, opaque: true });
+        let (facing, opaque, optical_depth, luminance) = (Facing::Front, true, 0, 0);
+        self.occluders.push(Occluder { mesh, position, rotation, facing, opaque, optical_depth, luminance });
         let middle = position.as_vec3();
         // One step outwards: the sum above is rounded, and a box must hold what is drawn.
         self.bounds.push(Aabb { min: middle - size * 0.5, max: middle + size * 0.5 }.outwards());

@@ -144,7 +144,7 @@ fn the_first_occluder_is_taken_however_large_and_candidates_may_be_turned_down()
 fn glass_and_nothing_are_in_no_database() {
     let mut b = Builder::new();
     b.cuboid(Vec3::ZERO, Vec3::ONE, Facing::Both);
-    b.cuboid(Vec3::ZERO, Vec3::ONE, Facing::Both).opaque = false;
+    b.cuboid(Vec3::ZERO, Vec3::ONE, Facing::Both).opacity = 0.0;
     b.triangles(&[], Facing::Both);
     let database = OccluderDatabase::of_scene(&b.prepared(), |_| true);
     assert_eq!((0..4).map(|id| database.contains(id)).collect::<Vec<_>>(), [true, false, false, false]);
@@ -177,7 +177,7 @@ fn a_clock_on_a_wall_is_redundant_and_one_in_front_of_it_is_not() {
 #[test]
 fn a_wall_of_glass_makes_nothing_redundant() {
     let mut b = wall_and_clock(0.0);
-    b.0.objects[0].opaque = false;
+    b.0.objects[0].opacity = 0.0;
     assert_eq!(redundant(&b), [0u32; 0]);
 }
 
@@ -309,7 +309,15 @@ fn given_meshes_occlude_and_must_fit_their_boxes() {
         Vec3::new(-5.0, 5.0, -10.0),
     ];
     let mesh = meshes.add(&board, &[[0, 1, 2], [0, 2, 3]]).unwrap();
-    let occluder = Occluder { mesh, position: DVec3::ZERO, rotation: None, facing: Facing::Both, opaque: true };
+    let occluder = Occluder {
+        mesh,
+        position: DVec3::ZERO,
+        rotation: None,
+        facing: Facing::Both,
+        opaque: true,
+        optical_depth: 0,
+        luminance: 0,
+    };
     let given = |occluder, boxes: &[Aabb]| {
         OccluderDatabase::of_meshes(meshes.clone(), vec![occluder], boxes.into(), DVec3::ZERO)
     };

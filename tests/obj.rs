@@ -56,7 +56,7 @@ fn every_object_has_its_own_vertices_and_both_sides() {
     let text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\no a\nf 2 3 4\no b\nf 2 3 5\n";
     let scene = load("own.obj", text).unwrap();
     assert_eq!(names(&scene), ["a", "b"]);
-    assert!(scene.objects.iter().all(|o| o.facing == Facing::Both && o.opaque));
+    assert!(scene.objects.iter().all(|o| o.facing == Facing::Both && o.is_opaque()));
     assert!(scene.meshes.iter().all(|m| m.positions().len() == 3));
     assert_eq!(scene.name, "own");
 }
@@ -222,7 +222,7 @@ fn materials_give_colour_and_part_an_object() {
     assert_eq!(scene.meshes[0].triangles().len(), 2);
     assert_eq!(scene.objects[0].color, [255, 0, 128]);
     assert_eq!(scene.objects[1].color, [128; 3]);
-    let opaque: Vec<bool> = scene.objects.iter().map(|o| o.opaque).collect();
+    let opaque: Vec<bool> = scene.objects.iter().map(|o| o.is_opaque()).collect();
     assert_eq!(opaque, [true, true, false, false, false, true, true]);
 }
 
@@ -249,7 +249,7 @@ fn our_own_rooms_load_with_their_materials() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let room = load_obj(&data.join("room.obj")).unwrap();
     assert_eq!((room.objects.len(), room.triangles()), (23, 1640));
-    assert_eq!(room.objects.iter().filter(|o| !o.opaque).map(|o| o.name.as_str()).collect::<Vec<_>>(), ["window"]);
+    assert_eq!(room.objects.iter().filter(|o| !o.is_opaque()).map(|o| o.name.as_str()).collect::<Vec<_>>(), ["window"]);
     let corridor = load_obj(&data.join("corridor.obj")).unwrap();
     assert_eq!((corridor.objects.len(), corridor.triangles()), (55, 4040));
 }

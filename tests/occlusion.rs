@@ -255,8 +255,8 @@ fn opacity_is_one_minus_the_share_of_holes_inside_the_viewport() {
     let mut buffer = submitted(Level::best(), &view, &scene.meshes, &scene.occluders);
     let pyramid = buffer.pyramid();
     for level in 0..pyramid.levels() {
-        let ((nx, ny), side) = (pyramid.size(level), pyramid.side(level));
-        assert_eq!(side, 8 << level);
+        let ((nx, ny), side) = (pyramid.size(level), 8 << level);
+        assert_eq!(pyramid.pixel(level), (side, side));
         for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))) {
             let samples = (w.min((x + 1) * side) - x * side) * (h.min((y + 1) * side) - y * side);
             let should = 1.0 - f64::from(pyramid.holes(level, x, y)) / samples as f64;
@@ -314,13 +314,13 @@ fn a_threshold_changed_after_drawing_holds_from_the_next_test() {
     let hidden = for_levels("two views", |level| {
         let mut buffer = begun(level, &view, OcclusionSettings::default());
         buffer.submit(&scene.meshes, &scene.occluders).unwrap();
-        buffer.settings_mut().thresholds = Thresholds::uniform(0.9).unwrap();
+        buffer.set_settings(with_threshold(0.9)).unwrap();
         let first = buffer.test(behind, DVec3::ZERO).unwrap().is_hidden();
         let _ = buffer.pyramid();
-        buffer.settings_mut().thresholds = Thresholds::conservative();
+        buffer.set_settings(OcclusionSettings::default()).unwrap();
         buffer.begin(&view).unwrap();
         buffer.submit(&scene.meshes, &aside).unwrap();
-        buffer.settings_mut().thresholds = Thresholds::uniform(0.9).unwrap();
+        buffer.set_settings(with_threshold(0.9)).unwrap();
         vec![first, buffer.test(behind, DVec3::ZERO).unwrap().is_hidden()]
     });
     assert_eq!(hidden, [true, false], "hidden behind the wall; hidden where nothing stands");

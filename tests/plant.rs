@@ -66,7 +66,7 @@ fn its_solids_are_closed_and_face_outward() {
         let scene = &generated.scene;
         let mut seen = BTreeSet::new();
         for object in &scene.objects {
-            assert_eq!((object.facing, object.opaque), (Facing::Front, true));
+            assert_eq!((object.facing, object.is_opaque()), (Facing::Front, true));
             assert!(object.rotation.determinant() > 0.0, "{} is mirrored", object.name);
             if object.name == "vent" || !seen.insert(object.mesh) {
                 continue;

@@ -19,6 +19,7 @@ fn walk(frames: usize) -> WalkReport {
         frames: (0..frames).map(|number| frame(number, cost, share)).collect(),
         image_hash: 0x0123_4567_89ab_cdef,
         visible_set_hash: 0xf,
+        ..MethodRun::default()
     };
     WalkReport {
         scene_name: "city".into(),

@@ -52,7 +52,7 @@ fn a_benchmark_folder_gives_objects_and_matrices() {
     assert_eq!((loaded.width, loaded.height, loaded.views.len()), (1920, 1080, 1));
     assert_eq!(loaded.views[0][5], 5.0);
     let object = &loaded.scene.objects[0];
-    assert_eq!((object.name.as_str(), object.facing, object.opaque), ("object_00000", Facing::Front, true));
+    assert_eq!((object.name.as_str(), object.facing, object.is_opaque()), ("object_00000", Facing::Front, true));
     assert_eq!(loaded.scene.meshes[0].bounds(), Aabb { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.0) });
 }
 
@@ -141,7 +141,7 @@ fn soup(points: &[Vec3]) -> Scene {
         position: DVec3::ZERO,
         facing: Facing::Both,
         color: [1, 2, 3],
-        opaque: false,
+        opacity: 0.25,
     };
     Scene { name: "test".into(), meshes: vec![mesh], objects: vec![object] }
 }
@@ -175,7 +175,7 @@ fn subdivision_loses_no_triangle_and_keeps_parts_small_and_compact() {
         assert!(mesh.triangles().len() <= 200 && !mesh.triangles().is_empty());
         assert_eq!(mesh.positions().len(), mesh.triangles().len() * 3);
         assert!(mesh.bounds().size().max_element() <= 5.2, "{:?}", mesh.bounds());
-        assert_eq!((object.color, object.opaque), ([1, 2, 3], false));
+        assert_eq!((object.color, object.opacity), ([1, 2, 3], 0.25));
     }
 }
 

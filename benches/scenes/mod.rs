@@ -79,9 +79,13 @@ pub struct Stage {
 
 impl Stage {
     pub fn new(case: &Case) -> Stage {
+        Stage::with(case, OcclusionSettings::default())
+    }
+
+    pub fn with(case: &Case, settings: OcclusionSettings) -> Stage {
         let ground = ground(case.scene);
         let viewport = ground.views[0].viewport();
-        let buffer = OcclusionBuffer::with_level(viewport, case.level, OcclusionSettings::default());
+        let buffer = OcclusionBuffer::with_level(viewport, case.level, settings);
         Stage {
             ground,
             buffer: buffer.expect("a level of this CPU"),

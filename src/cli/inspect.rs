@@ -30,7 +30,7 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         "meshes": setting.scene.meshes.len(),
         "triangles": setting.scene.triangles(),
         "triangles_per_object": {"median": median, "max": most},
-        "translucent_objects": setting.scene.objects.iter().filter(|o| !o.opaque).count(),
+        "translucent_objects": setting.scene.objects.iter().filter(|o| !o.is_opaque()).count(),
         "size": size,
         "views": setting.views.len(),
         "hierarchy": {"nodes": hierarchy.nodes.len(), "depth": hierarchy.depth(), "unplaced": hierarchy.unplaced.len()},

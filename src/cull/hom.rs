@@ -13,10 +13,11 @@ use std::sync::Arc;
 use homcull_simd::Level;
 
 use super::method::{HomParameters, Selection, Update};
+use super::test_batch::{occludes, test_batch};
 use super::vfc::World;
 use super::{Feedback, FeedbackLine, OccluderSources, VisibleSet, progressive};
 use crate::error::{Error, Result};
-use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, ProjectedBoxes, Thresholds};
+use crate::occlusion::{BandJob, Occluder, OcclusionBuffer, OcclusionSettings, OverlapStatistics, ProjectedBoxes};
 use crate::scene::PreparedScene;
 use crate::select::WalkMemory;
 use crate::view::{View, Viewport};
@@ -112,22 +113,37 @@ pub struct HomFrame {
 struct Tests {
     range: Range<usize>,
     hidden: Vec<bool>,
+    /// One for each batch of the bypass.
+    statistics: Vec<OverlapStatistics>,
+    batch: Vec<bool>,
     failed: Option<Error>,
+}
+
+impl Tests {
+    fn test(&mut self, buffer: &OcclusionBuffer, scene: &PreparedScene, boxes: &ProjectedBoxes) -> Result<()> {
+        self.hidden.clear();
+        self.statistics.clear();
+        for from in self.range.clone().step_by(BYPASS_BATCH) {
+            let batch = from..(from + BYPASS_BATCH).min(self.range.end);
+            let mut statistics = OverlapStatistics::default();
+            test_batch(buffer, scene, boxes, batch, &mut self.batch, &mut statistics)?;
+            self.hidden.extend_from_slice(&self.batch);
+            self.statistics.push(statistics);
+        }
+        Ok(())
+    }
 }
 
 impl HomFrame {
     /// A frame for views of one size.
     ///
     /// # Errors
-    /// As for [`OcclusionBuffer::with_level`], [`Thresholds::uniform`] and [`HomParameters::check`].
+    /// As for [`OcclusionBuffer::with_level`], [`OverlapParameters::thresholds`](super::OverlapParameters::thresholds) and
+    /// [`HomParameters::check`].
     pub fn new(view: &View, level: Level, parameters: &HomParameters) -> Result<HomFrame> {
         parameters.check()?;
         let viewport = parameters.resolution.unwrap_or(view.viewport());
-        let thresholds = match parameters.threshold {
-            1.0 => Thresholds::conservative(),
-            t => Thresholds::uniform(t)?,
-        };
-        let settings = OcclusionSettings { thresholds, depth: parameters.depth, ..OcclusionSettings::default() };
+        let settings = OcclusionSettings { depth: parameters.depth, ..parameters.overlap.settings()? };
         let buffer = OcclusionBuffer::with_level(viewport, level, settings)?;
         Ok(HomFrame {
             buffer,
@@ -203,7 +219,7 @@ pub fn select_occluders(
 
 /// Whether frames are culled through the hierarchy: progressively, with thresholds of 1.
 pub(crate) fn walks_tree(parameters: &HomParameters, buffer: &OcclusionBuffer) -> bool {
-    parameters.update == Update::Always && buffer.settings().thresholds.is_conservative()
+    parameters.update == Update::Always && !buffer.walks_pyramid()
 }
 
 /// OccSel without a buffer.
@@ -358,13 +374,10 @@ fn one_pass(
     let mut from = 0;
     while from < n && !set.bypassed {
         let tests = lay_out(tests, from, n, workers.threads());
-        workers.run(tests, |t| {
-            let range = t.range.clone();
-            t.failed = buffer.test_projected(boxes, range, &scene.bounds, scene.origin, &mut t.hidden).err();
-        });
+        workers.run(tests, |t| t.failed = t.test(buffer, scene, boxes).err());
         for t in tests {
             t.failed.take().map_or(Ok(()), Err)?;
-            for hidden in t.hidden.chunks(BYPASS_BATCH) {
+            for (hidden, statistics) in t.hidden.chunks(BYPASS_BATCH).zip(&t.statistics) {
                 if set.bypassed {
                     break;
                 }
@@ -376,6 +389,7 @@ fn one_pass(
                         feedback.occluded.insert(b.id());
                     }
                 }
+                set.overlap += statistics;
                 set.queries += hidden.len() as u64;
                 from += hidden.len();
                 set.bypassed = bypass.is_due();
@@ -416,11 +430,13 @@ fn multi_pass(
     update_triangles: u64,
     frame: &mut HomFrame,
 ) -> Result<VisibleSet> {
-    let HomFrame { buffer, selected: Selected { boxes, occluders, .. }, .. } = frame;
+    let HomFrame { buffer, selected: Selected { boxes, occluders, .. }, tests, .. } = frame;
     let scene = world.scene;
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     let mut gathered = 0;
+    tests.resize_with(tests.len().max(1), Tests::default);
+    let hidden = &mut tests[0].hidden;
     occluders.clear();
     for (i, b) in boxes.boxes().iter().enumerate() {
         let id = b.id();
@@ -434,14 +450,15 @@ fn multi_pass(
             continue;
         }
         set.queries += 1;
-        let hidden = buffer.test_one_projected(b, &scene.bounds, scene.origin)?.is_hidden();
+        test_batch(buffer, scene, boxes, i..i + 1, hidden, &mut set.overlap)?;
+        let hidden = hidden[0];
         bypass.saw(hidden);
         if hidden {
             set.triangles_hidden += triangles;
             continue;
         }
         set.objects.push(id);
-        if scene.occluders[id as usize].opaque {
+        if occludes(buffer, scene, id) {
             occluders.push(scene.occluders[id as usize]);
             gathered += triangles;
             if gathered > update_triangles {

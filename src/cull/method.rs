@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::overlap_parameters::{OverlapParameters, overlap_parameters};
 use crate::error::{Error, Result};
 use crate::occlusion::DepthReading;
 use crate::select::{Criterion, DEFAULT_TRIANGLES, Measure, StaticCriteria};
@@ -71,8 +72,8 @@ pub struct HomParameters {
     pub occluder_triangles: u64,
     /// Samples of the occlusion buffer; the display's when `None`. Others are not conservative.
     pub resolution: Option<Viewport>,
-    /// Opacity threshold of every level, above 0 and at most 1. Below 1 is not conservative.
-    pub threshold: f64,
+    /// How rectangles are tested against the occlusion maps: thresholds, levels, blocks, fusion.
+    pub overlap: OverlapParameters,
     /// Consecutive tests without a hidden object after which testing ends for the frame.
     pub bypass_after: u32,
     /// Frames that culling rests after one that hid next to nothing; 0 never rests.
@@ -113,7 +114,7 @@ impl HomParameters {
             snap: DEFAULT_SNAP,
             occluder_triangles: DEFAULT_TRIANGLES,
             resolution: None,
-            threshold: 1.0,
+            overlap: OverlapParameters::default(),
             bypass_after: DEFAULT_BYPASS,
             rest: DEFAULT_REST,
             pipeline: false,
@@ -144,7 +145,7 @@ impl HomParameters {
 
     /// True when the picture is guaranteed to stay the same.
     pub fn is_conservative(&self) -> bool {
-        self.threshold == 1.0 && self.resolution.is_none()
+        self.overlap.is_conservative() && self.resolution.is_none()
     }
 }
 
@@ -163,8 +164,16 @@ pub struct MethodDescription {
     pub when: &'static str,
 }
 
-const HOM_PARAMETERS: &str = "depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
-     lag=1 (3 with pipeline=on)";
+/// What all hom methods take.
+macro_rules! hom_parameters {
+    () => {
+        concat!(
+            "depth=nbz|nbz-block, resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
+             lag=1 (3 with pipeline=on), ",
+            overlap_parameters!()
+        )
+    };
+}
 
 /// All methods.
 pub fn methods() -> &'static [MethodDescription] {
@@ -180,11 +189,12 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom",
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: "select=distance|nearest|zplane|temporal|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, database=all|static, with static: \
-                         static-size=0.001, static-locality=off, static-aspect=off, static-complexity=6250, \
-                         static-redundancy=0.9; update=once|batches|always, and: \
-                         depth=nbz|nbz-block, threshold=1 (0 to 1), resolution=WxH (the display's), bypass=384, \
-                         rest=15, pipeline=off|on, lag=1 (3 with pipeline=on)",
+            parameters: concat!(
+                "select=distance|nearest|zplane|temporal|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, \
+                 database=all|static, with static: static-size=0.001, static-locality=off, static-aspect=off, \
+                 static-complexity=6250, static-redundancy=0.9; update=once|batches|always, and: ",
+                hom_parameters!()
+            ),
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
         },
         MethodDescription {
@@ -198,7 +208,7 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "hom-progressive",
             source: "Zhang 1998, 2.1.4 and figure 2.3, through the hierarchy",
             guarantee: "conservative with threshold=1 at the display's resolution",
-            parameters: HOM_PARAMETERS,
+            parameters: hom_parameters!(),
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
@@ -234,11 +244,12 @@ impl Method {
                 part.split_once('=').ok_or_else(|| Error::parameter("method parameter", part, "must be key=value"))?;
             method.set(name, key, value)?;
         }
-        if let Method::Hom(parameters) = &method {
-            if parameters.select == Selection::Baked && parameters.bake.is_none() {
+        if let Method::Hom(p) = &method {
+            if p.select == Selection::Baked && p.bake.is_none() {
                 return Err(Error::parameter("select", "baked", "needs bake=FILE, from `homcull bake`"));
             }
-            parameters.check()?;
+            p.check()?;
+            p.overlap.check(parameters)?;
         }
         Ok(method)
     }
@@ -325,10 +336,6 @@ impl HomParameters {
                 }
             }
             ("occluder-triangles", _) => self.occluder_triangles = number("a number of triangles")?,
-            ("threshold", _) => {
-                let t = value.parse::<f64>().ok().filter(|t| *t > 0.0 && *t <= 1.0);
-                self.threshold = t.ok_or_else(|| bad("an opacity above 0 and at most 1"))?;
-            }
             ("resolution", _) => self.resolution = Some(parse_resolution(value)?),
             ("bypass", _) => {
                 let n = number("a number of tests")?;
@@ -346,6 +353,7 @@ impl HomParameters {
                 let n = u32::try_from(n).ok().filter(|n| (1..=MAX_LAG).contains(n));
                 self.lag = Some(n.ok_or_else(|| bad(&format!("1 to {MAX_LAG}")))?);
             }
+            _ if self.overlap.set(key, value)? => {}
             _ => return Err(unknown()),
         }
         Ok(())
@@ -388,7 +396,7 @@ impl HomParameters {
         if let Some(v) = self.resolution {
             out.push(("resolution", format!("{}x{}", v.width(), v.height())));
         }
-        out.push(("threshold", self.threshold.to_string()));
+        self.overlap.list(&mut out);
         out.push(("bypass", self.bypass_after.to_string()));
         out.push(("rest", self.rest.to_string()));
         out.push(("pipeline", on_off(self.pipeline).into()));

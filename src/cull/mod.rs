@@ -4,18 +4,25 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+mod fade;
 mod feedback;
 pub mod frustum;
 pub mod hom;
 pub mod ideal;
 mod method;
+mod overlap_parameters;
 mod progressive;
 mod sources;
+mod test_batch;
 pub mod vfc;
 
+use crate::occlusion::OverlapStatistics;
+
+pub use fade::FadeIn;
 pub(crate) use feedback::Feedback;
 pub use feedback::FeedbackLine;
 pub use method::{Database, HomParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods};
+pub use overlap_parameters::{Hole, OverlapParameters};
 pub use sources::OccluderSources;
 
 /// What a frame's culling found, and what it cost in counts.
@@ -31,6 +38,8 @@ pub struct VisibleSet {
     pub triangles_hidden: u64,
     /// Occlusion tests of objects and nodes.
     pub queries: u64,
+    /// Of the tests that walked the pyramid, by the level that decided them (thesis 8.2.4).
+    pub overlap: OverlapStatistics,
     /// True when testing was given up for the frame because nothing was hidden.
     pub bypassed: bool,
 }

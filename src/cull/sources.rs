@@ -20,8 +20,8 @@ pub struct OccluderSources {
     /// What is seen from where, when selection asks for it.
     baked: Option<BakedVisibility>,
     scene: u64,
-    /// The parameters that it was made by: the database's, and the bake's file.
-    made_by: (Database, Option<PathBuf>),
+    /// The parameters that it was made by: the database's, the bake's file, and whether layers are fused.
+    made_by: (Database, Option<PathBuf>, bool),
 }
 
 impl OccluderSources {
@@ -31,12 +31,14 @@ impl OccluderSources {
     /// Those of [`StaticSelection::new`] and [`BakedVisibility::load`]; [`Error::Parameter`] when a bake is to be used and none
     /// is named.
     pub fn new(scene: &PreparedScene, parameters: &HomParameters) -> Result<OccluderSources> {
-        let database = match &parameters.database {
-            Database::All => OccluderDatabase::of_scene(scene, |_| true),
-            Database::Static(criteria) => {
-                let selection = StaticSelection::new(scene, criteria)?;
-                OccluderDatabase::of_scene(scene, |id| selection.admits(id))
-            }
+        let selection = match &parameters.database {
+            Database::All => None,
+            Database::Static(criteria) => Some(StaticSelection::new(scene, criteria)?),
+        };
+        let may_occlude = |id| selection.as_ref().is_none_or(|s| s.admits(id));
+        let database = match parameters.overlap.fusion {
+            None => OccluderDatabase::of_scene(scene, may_occlude),
+            Some(_) => OccluderDatabase::of_fused_scene(scene, may_occlude),
         };
         let mut sources = OccluderSources::with_database(database, scene, parameters);
         if let Some(path) = sources.made_by.1.as_ref() {
@@ -54,14 +56,17 @@ impl OccluderSources {
         scene: &PreparedScene,
         parameters: &HomParameters,
     ) -> OccluderSources {
-        let made_by = (parameters.database, bake_of(parameters).cloned());
+        let made_by = (parameters.database, bake_of(parameters).cloned(), parameters.overlap.fusion.is_some());
         OccluderSources { database, baked: None, scene: scene.hash, made_by }
     }
 
     /// Whether these are the sources of that scene under those parameters.
     pub fn are_of(&self, scene: &PreparedScene, parameters: &HomParameters) -> bool {
-        let (database, bake) = &self.made_by;
-        self.scene == scene.hash && *database == parameters.database && bake.as_ref() == bake_of(parameters)
+        let (database, bake, fused) = &self.made_by;
+        self.scene == scene.hash
+            && *database == parameters.database
+            && bake.as_ref() == bake_of(parameters)
+            && *fused == parameters.overlap.fusion.is_some()
     }
 
     /// Chooses the occluders of a view: ids in the database. `before` is what was in the frustum and occluded, for temporal

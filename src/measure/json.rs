@@ -66,6 +66,8 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
             .map(|wrong| json!({"mean": wrong.mean, "max": wrong.max})),
         "speedup_over_vfc": ratios(report.speedup_over_vfc(run), "best_frame"),
         "time_over_ideal": ratios(report.time_over_ideal(run), "worst_frame"),
+        "overlap_tests": (!run.overlap.is_empty())
+            .then(|| json!({"passed_at_level": run.overlap.passed, "failed_at_level": run.overlap.failed})),
         "image_hash": hash(run.image_hash),
         "visible_set_hash": hash(run.visible_set_hash),
     })

@@ -11,6 +11,7 @@
 //! triangles of an object count as visible when one sample of it is.
 
 use super::statistics::{mean, median, percentile, range};
+use crate::occlusion::OverlapStatistics;
 
 /// The method that all speed-ups are measured against: view-frustum culling alone.
 pub const BASELINE: &str = "vfc";
@@ -94,6 +95,8 @@ pub struct MethodRun {
     pub image_hash: u64,
     /// Hash of all frames' visible sets.
     pub visible_set_hash: u64,
+    /// Overlap tests by the level of the pyramid that decided them, where tests walk it.
+    pub overlap: OverlapStatistics,
 }
 
 /// A walk along a camera path with one or more methods.

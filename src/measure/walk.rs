@@ -20,6 +20,7 @@ use crate::cull::{FeedbackLine, HomParameters, Method, Update, VisibleSet, ideal
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
+use crate::occlusion::OverlapStatistics;
 use crate::scene::PreparedScene;
 use crate::view::View;
 use crate::workers::Workers;
@@ -287,6 +288,7 @@ pub(super) struct Tally {
     pub frames: Vec<FrameRecord>,
     image_hash: Hash,
     set_hash: Hash,
+    overlap: OverlapStatistics,
 }
 
 impl Tally {
@@ -299,6 +301,7 @@ impl Tally {
             self.set_hash.add(object.into());
         }
         self.set_hash.add(u64::MAX);
+        self.overlap += &set.overlap;
         let equal = canvas.equals(&exact.canvas);
         self.image_hash.add(if equal { exact.hash } else { canvas.hash(scene) });
         let visible = |o: &&u32| exact.samples[**o as usize] > 0;
@@ -332,6 +335,7 @@ impl Tally {
             frames: self.frames,
             image_hash: self.image_hash.value(),
             visible_set_hash: self.set_hash.value(),
+            overlap: self.overlap,
         }
     }
 }

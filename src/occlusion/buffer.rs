@@ -3,13 +3,16 @@
 use glam::{DVec3, Mat3};
 use homcull_simd::Level;
 
+use super::layers::Layers;
 #[cfg(feature = "bvh")]
 use super::map::OccluderSink;
 use super::map::{MapView, OcclusionMap};
-use super::overlap::Thresholds;
+use super::overlap::{ActiveLevels, OverlapTest};
 use super::project::BoxView;
-use super::pyramid::Pyramid;
+use super::pyramid::{Pyramid, PyramidShape};
+use super::pyramid_build::{Coverage, UpdatePyramid};
 use super::query::DepthReading;
+use super::thresholds::{Limits, Thresholds};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::raster::{Band, Facing, Grid, MeshId, ObjectRows, PreparedMeshes, Queues, RasterCounts};
@@ -26,8 +29,14 @@ pub struct Occluder {
     pub rotation: Option<Mat3>,
     /// Which side is drawn.
     pub facing: Facing,
-    /// False for what must not occlude: translucent or alpha-tested. [`OcclusionBuffer::submit`] passes over it.
+    /// False for what must not occlude by itself: translucent or alpha-tested. [`OcclusionBuffer::submit`] passes over it,
+    /// unless it is fused with others ([`OcclusionSettings::fusion`]).
     pub opaque: bool,
+    /// What a surface that is not opaque adds where layers are fused: [`optical_depth`](super::optical_depth) of its opacity.
+    pub optical_depth: u16,
+    /// Relative luminance, 0 to 255, for thresholds raised by contrast: see
+    /// [`relative_luminance`](super::relative_luminance).
+    pub luminance: u8,
 }
 
 /// Objects that occlude and are tested: what a box's id stands for.
@@ -58,6 +67,15 @@ pub struct OcclusionSettings {
     /// False when the picture's sample positions are unknown (another renderer, multisampling): a box between samples then counts
     /// as visible.
     pub no_sample_is_hidden: bool,
+    /// What a level-0 pixel of the pyramid stands for, and where its levels end.
+    pub pyramid: PyramidShape,
+    /// The levels that overlap tests use. `None`: all, and at thresholds of 1 none is needed: tests go by samples.
+    pub levels: Option<ActiveLevels>,
+    /// Whether opacity thresholds are raised by the contrast between occluders and what is tested, where its luminance is given.
+    pub contrast: bool,
+    /// The opacity, above 0 and below 1, from which translucent occluders count together as covering a sample; `None`
+    /// leaves them out. What they let through is then lost.
+    pub fusion: Option<f64>,
 }
 
 impl Default for OcclusionSettings {
@@ -68,6 +86,10 @@ impl Default for OcclusionSettings {
             cluster_test: true,
             keep_depth: true,
             no_sample_is_hidden: true,
+            pyramid: PyramidShape::default(),
+            levels: None,
+            contrast: false,
+            fusion: None,
         }
     }
 }
@@ -81,6 +103,10 @@ pub struct OcclusionBuffer {
     pub(super) settings: OcclusionSettings,
     pub(super) map: OcclusionMap,
     pub(super) pyramid: Pyramid,
+    /// The thresholds as hole counts.
+    pub(super) limits: Limits,
+    /// What adds up over all that was submitted, where settings ask for it.
+    pub(super) layers: Option<Box<Layers>>,
     pub(super) queues: Vec<Box<Queues>>,
     pub(super) view: Option<View>,
     pub(super) plain: PreparedMeshes,
@@ -94,27 +120,32 @@ pub struct OcclusionBuffer {
 impl OcclusionBuffer {
     /// A buffer for views of this size, at the best SIMD level of the CPU.
     pub fn new(viewport: Viewport) -> OcclusionBuffer {
-        OcclusionBuffer::build(viewport, Level::best(), OcclusionSettings::default())
+        OcclusionBuffer::build(viewport, Level::best())
     }
 
     /// A buffer at a chosen SIMD level. Every level gives the same bits.
     ///
     /// # Errors
-    /// [`Error::SimdLevel`] when the CPU lacks it.
+    /// [`Error::SimdLevel`] when the CPU lacks it; those of [`OcclusionBuffer::set_settings`].
     pub fn with_level(viewport: Viewport, level: Level, settings: OcclusionSettings) -> Result<OcclusionBuffer> {
         if !level.is_available() {
             return Err(Error::SimdLevel(level.name().into()));
         }
-        Ok(OcclusionBuffer::build(viewport, level, settings))
+        let mut buffer = OcclusionBuffer::build(viewport, level);
+        buffer.set_settings(settings)?;
+        Ok(buffer)
     }
 
-    fn build(viewport: Viewport, level: Level, settings: OcclusionSettings) -> OcclusionBuffer {
-        let grid = Grid::new(viewport);
+    fn build(viewport: Viewport, level: Level) -> OcclusionBuffer {
+        let (grid, settings) = (Grid::new(viewport), OcclusionSettings::default());
+        let pyramid = Pyramid::new(grid, settings.pyramid, false);
         OcclusionBuffer {
             level,
-            settings,
             map: OcclusionMap::new(grid),
-            pyramid: Pyramid::new(grid),
+            limits: Limits::new(&settings.thresholds, settings.pyramid.block_samples(), 0, pyramid.levels() - 1),
+            settings,
+            pyramid,
+            layers: None,
             queues: vec![Queues::new()],
             view: None,
             plain: PreparedMeshes::new(),
@@ -129,10 +160,49 @@ impl OcclusionBuffer {
         OcclusionMap::bytes(Grid::new(viewport))
     }
 
-    /// How it tests. A change holds from the next test on.
-    pub fn settings_mut(&mut self) -> &mut OcclusionSettings {
-        self.update_pyramid();
-        &mut self.settings
+    /// Changes how it tests, from the next test on. Fusion and contrast, when turned on, know only of what is submitted from then
+    /// on.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a block, minimal resolution, range of levels or opacity of fusion that cannot be; then
+    /// nothing is changed.
+    pub fn set_settings(&mut self, settings: OcclusionSettings) -> Result<()> {
+        let grid = self.map.grid;
+        settings.pyramid.check()?;
+        let another = settings.pyramid != self.settings.pyramid || settings.contrast != self.settings.contrast;
+        let pyramid = another.then(|| Pyramid::new(grid, settings.pyramid, settings.contrast));
+        let levels = pyramid.as_ref().unwrap_or(&self.pyramid).levels();
+        let active = ActiveLevels { finest: 0, coarsest: None };
+        let (finest, coarsest) = settings.levels.unwrap_or(active).in_pyramid(levels)?;
+        if settings.fusion != self.settings.fusion || settings.contrast != self.settings.contrast {
+            self.layers = Layers::new(grid, settings.fusion, settings.contrast)?;
+            self.mark_all_changed();
+        }
+        if let Some(pyramid) = pyramid {
+            self.pyramid = pyramid;
+            self.mark_all_changed();
+        }
+        self.limits = Limits::new(&settings.thresholds, settings.pyramid.block_samples(), finest, coarsest);
+        self.settings = settings;
+        self.settle();
+        Ok(())
+    }
+
+    /// True when overlap tests walk the pyramid: with thresholds below 1, a choice of levels, or fused layers. Else they go by
+    /// samples, and no pyramid is kept.
+    pub fn walks_pyramid(&self) -> bool {
+        let s = &self.settings;
+        !s.thresholds.is_exact() || s.levels.is_some() || s.fusion.is_some()
+    }
+
+    pub(super) fn coverage(&self) -> Coverage<'_> {
+        Coverage { map: self.map.view(), fused: self.layers.as_ref().and_then(|l| l.fused()) }
+    }
+
+    /// The overlap test through the pyramid, where tests walk it.
+    pub(super) fn overlap_test(&self) -> Option<OverlapTest<'_>> {
+        let test = OverlapTest { coverage: self.coverage(), pyramid: &self.pyramid, limits: &self.limits };
+        self.walks_pyramid().then_some(test)
     }
 
     /// Begins a view: nothing is covered.
@@ -150,6 +220,9 @@ impl OcclusionBuffer {
         }
         self.view = Some(*view);
         self.map.clear();
+        if let Some(layers) = &mut self.layers {
+            layers.clear();
+        }
         self.counts = RasterCounts::default();
         self.settle();
         Ok(())
@@ -166,17 +239,23 @@ impl OcclusionBuffer {
         }
     }
 
-    /// Brings the pyramid in step if tests read it: at a threshold of 1 they do not.
+    /// Brings the pyramid in step if tests read it.
     pub(crate) fn bring_pyramid_in_step(&mut self) {
-        if !self.settings.thresholds.is_conservative() {
+        if self.walks_pyramid() {
             self.update_pyramid();
         }
     }
 
     fn update_pyramid(&mut self) {
         let OcclusionMap { grid, floors, tiles, cover, samples, dirty } = &mut self.map;
-        let view = MapView { band: Band::whole(*grid), floors, tiles, cover, samples };
-        self.pyramid.update(view, dirty);
+        let map = MapView { band: Band::whole(*grid), floors, tiles, cover, samples };
+        let layers = self.layers.as_ref();
+        self.level.run(UpdatePyramid {
+            pyramid: &mut self.pyramid,
+            coverage: Coverage { map, fused: layers.and_then(|l| l.fused()) },
+            luminance: layers.and_then(|l| l.luminance()),
+            dirty,
+        });
     }
 
     /// The hierarchical occlusion maps of what has been drawn; only what changed since the last call is computed.

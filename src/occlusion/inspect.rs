@@ -21,7 +21,7 @@ impl OcclusionBuffer {
             return None;
         }
         let (tile, block) = grid.place(x as usize / 8, y as usize / 8);
-        Some(self.map.view().effective(tile, block, (y as usize % 8) * 8 + x as usize % 8))
+        Some(self.effective(tile, block, (y as usize % 8) * 8 + x as usize % 8))
     }
 
     /// True when an occluder covers the sample; `None` outside the viewport.
@@ -31,19 +31,25 @@ impl OcclusionBuffer {
             return None;
         }
         let (tile, block) = grid.place(x as usize / 8, y as usize / 8);
-        Some(self.map.view().word(tile, block) >> ((y % 8) * 8 + x % 8) & 1 != 0)
+        Some(self.coverage().word(tile, block) >> ((y % 8) * 8 + x % 8) & 1 != 0)
+    }
+
+    /// The effective depth of a sample, of opaque or fused occluders, whichever is nearer.
+    fn effective(&self, tile: usize, block: usize, sample: usize) -> f32 {
+        let fused = self.layers.as_ref().map_or(0.0, |layers| layers.depth(tile, block, sample));
+        self.map.view().effective(tile, block, sample).max(fused)
     }
 
     /// A hash of coverage and effective depths: of what the state means, not of how it came about.
     pub fn state_hash(&self) -> u64 {
-        let (grid, map) = (self.map.grid, self.map.view());
+        let (grid, coverage) = (self.map.grid, self.coverage());
         let mut hash = crate::hash::Hash::default();
         for by in 0..grid.blocks_y() {
             for bx in 0..grid.blocks_x() {
                 let (tile, block) = grid.place(bx, by);
-                hash.add(map.word(tile, block));
+                hash.add(coverage.word(tile, block));
                 for sample in 0..64 {
-                    hash.add(map.effective(tile, block, sample).to_bits().into());
+                    hash.add(self.effective(tile, block, sample).to_bits().into());
                 }
             }
         }
@@ -52,13 +58,13 @@ impl OcclusionBuffer {
 
     /// The buffer as text, one character a block of samples: ` ` open, `.` up to half covered, `+` more, `#` whole.
     pub fn to_ascii(&self) -> String {
-        let (grid, map) = (self.map.grid, self.map.view());
+        let (grid, coverage) = (self.map.grid, self.coverage());
         let mut out = String::new();
         for by in 0..grid.blocks_y() {
             for bx in 0..grid.blocks_x() {
                 let (tile, block) = grid.place(bx, by);
                 let samples = (!grid.padding(bx, by)).count_ones();
-                let holes = map.word(tile, block).count_zeros();
+                let holes = coverage.word(tile, block).count_zeros();
                 out.push(match (holes, samples - holes) {
                     (0, _) => '#',
                     (_, 0) => ' ',

@@ -5,35 +5,47 @@
 //! occluded when its rectangle is covered (overlap test) and it lies behind what covers it (depth test).
 //! [`OcclusionBuffer`] is the face of it, all that an engine needs.
 
+mod assess;
 mod boxes;
 mod buffer;
 mod clip_box;
+mod contrast;
 mod inspect;
+mod layers;
 mod map;
 mod overlap;
 mod progressive;
 mod project;
 mod pyramid;
+mod pyramid_build;
 mod query;
 mod submit;
 mod test;
+mod thresholds;
 mod verdict;
 
+pub use assess::Assessment;
 #[cfg(feature = "bvh")]
 pub(crate) use boxes::{BoxGroup, NEAR};
 pub use boxes::{BoxSet, ProjectedBox, ProjectedBoxes};
 pub use buffer::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings};
+pub use contrast::relative_luminance;
+pub use layers::optical_depth;
 pub(crate) use map::take;
-pub use overlap::Thresholds;
+pub use overlap::{ActiveLevels, OverlapStatistics};
 #[cfg(feature = "bvh")]
 pub(crate) use progressive::OccluderSinkRef;
 pub(crate) use progressive::PlacedRows;
 pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]
 pub(crate) use project::{ALL_PLANES, BoxView, Edges, planes_left, project_lanes};
-pub use pyramid::{Level as PyramidLevel, Pyramid};
+pub use pyramid::{Pyramid, PyramidShape};
 pub use query::DepthReading;
 pub use submit::BandJob;
 #[cfg(feature = "bvh")]
 pub(crate) use test::{AtOnce, test_box};
+pub use thresholds::{
+    DEFAULT_DISTRIBUTION, Thresholds, next_opacity_threshold, opacity_threshold, raised_by_contrast,
+    transparency_threshold,
+};
 pub use verdict::{Hidden, Verdict, Visible};

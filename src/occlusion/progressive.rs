@@ -146,8 +146,8 @@ impl OcclusionBuffer {
     /// [`ProjectedBoxes::boxes`]. `run` gets one job a band; see [`OcclusionBuffer::submit_in_bands`].
     ///
     /// # Errors
-    /// [`Error::View`] when no view has begun; [`Error::Parameter`] when thresholds are below 1, for
-    /// which bands would differ, or when no depth is kept.
+    /// [`Error::View`] when no view has begun; [`Error::Parameter`] when tests walk the pyramid
+    /// ([`OcclusionBuffer::walks_pyramid`]), for which bands would differ, or when no depth is kept.
     pub fn progressive(
         &mut self,
         boxes: &ProjectedBoxes,
@@ -157,8 +157,9 @@ impl OcclusionBuffer {
         run: impl FnOnce(&mut [ProgressiveJob<'_>]),
     ) -> Result<ProgressiveResult> {
         let view = *self.begun()?;
-        if !self.settings.thresholds.is_conservative() {
-            return Err(Error::parameter("threshold", "below 1", "progressive culling in bands needs thresholds at 1"));
+        if self.walks_pyramid() {
+            let reason = "progressive culling in bands needs thresholds at 1, every level, and no fusion";
+            return Err(Error::parameter("threshold", self.settings.thresholds.opacity(0), reason));
         }
         if !self.settings.keep_depth {
             return Err(Error::parameter("keep_depth", false, "progressive culling needs depth"));

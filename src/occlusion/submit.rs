@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use homcull_simd::{Kernel, Level, Simd};
 
 use super::buffer::{Occluder, OcclusionBuffer};
+use super::layers::SubmitLayers;
 use super::map::{CoverageSink, OccluderSink};
 use super::progressive::PlacedRows;
 use crate::error::Result;
@@ -91,6 +92,7 @@ impl OcclusionBuffer {
             keep_depth,
         };
         self.counts += self.level.run(submit);
+        self.submit_layers(&view, meshes, occluders);
         self.settle();
         Ok(())
     }
@@ -127,8 +129,17 @@ impl OcclusionBuffer {
         });
         drop(jobs);
         self.counts += counts;
+        self.submit_layers(&view, meshes, occluders);
         self.settle();
         Ok(())
+    }
+
+    /// Adds occluders to the layers, where there are any: on this thread.
+    fn submit_layers(&mut self, view: &View, meshes: &PreparedMeshes, occluders: &[Occluder]) {
+        if let Some(layers) = &mut self.layers {
+            let (queues, dirty) = (&mut self.queues[0], &mut self.map.dirty[..]);
+            self.counts += self.level.run(SubmitLayers { view, layers, queues, meshes, occluders, dirty });
+        }
     }
 
     /// Draws a mesh that has not been prepared, e.g. one that changes every frame.
@@ -144,9 +155,11 @@ impl OcclusionBuffer {
     ) -> Result<()> {
         let mut plain = std::mem::take(&mut self.plain);
         plain.clear();
-        let done = plain
-            .add_in_order(positions, triangles)
-            .and_then(|mesh| self.submit(&plain, &[Occluder { mesh, position, rotation: None, facing, opaque: true }]));
+        let done = plain.add_in_order(positions, triangles).and_then(|mesh| {
+            let (rotation, opaque, optical_depth, luminance) = (None, true, 0, 0);
+            let occluder = Occluder { mesh, position, rotation, facing, opaque, optical_depth, luminance };
+            self.submit(&plain, &[occluder])
+        });
         self.plain = plain;
         done
     }

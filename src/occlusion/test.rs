@@ -12,10 +12,11 @@ use homcull_simd::{Kernel, Simd};
 use super::boxes::{BoxSet, CUT, NEAR, ProjectedBox, ProjectedBoxes};
 use super::buffer::OcclusionBuffer;
 use super::clip_box::{ClippedBox, clip_box};
+use super::layers::Layers;
 use super::map::MapView;
-use super::overlap::{Thresholds, overlap_test};
+use super::overlap::{Overlap, OverlapTest};
 use super::project::{BoxView, Project, ProjectOne};
-use super::pyramid::Pyramid;
+use super::pyramid_build::Coverage;
 use super::query::DepthReading;
 use super::verdict::{Hidden, Verdict, Visible};
 use crate::error::Result;
@@ -101,12 +102,36 @@ impl Representation for AtOnce<'_> {
 #[derive(Clone, Copy)]
 pub(crate) struct Apart<'a> {
     pub map: MapView<'a>,
-    /// In step with the map, unless thresholds are at 1.
-    pub pyramid: &'a Pyramid,
-    pub thresholds: &'a Thresholds,
-    pub conservative: bool,
+    /// Through the pyramid, which is in step with the map; `None`: by samples.
+    pub overlap: Option<OverlapTest<'a>>,
     /// `None`: the overlap test alone.
     pub depth: Option<DepthReading>,
+    /// Where layers are fused.
+    pub layers: Option<&'a Layers>,
+}
+
+impl Apart<'_> {
+    /// The overlap test through the pyramid, for something of a luminance.
+    #[inline(always)]
+    pub fn overlap(&self, r: SampleRect, luminance: Option<u8>) -> Option<Overlap> {
+        match &self.overlap {
+            Some(test) => Some(test.run(r, luminance)),
+            None => None,
+        }
+    }
+
+    /// The depth test alone: nothing that covers a sample of the rectangle is at `z` or farther.
+    #[inline(always)]
+    pub fn is_behind<S: Simd>(&self, s: S, r: SampleRect, z: f32) -> bool {
+        match (self.depth, self.layers) {
+            (None, _) => true,
+            (Some(reading), None) => self.map.covered_is_nearer(s, r, z, reading),
+            (Some(reading), Some(layers)) => {
+                let coverage = Coverage { map: self.map, fused: layers.fused() };
+                layers.covered_is_nearer(s, coverage, r, z, reading)
+            }
+        }
+    }
 }
 
 impl Representation for Apart<'_> {
@@ -117,21 +142,14 @@ impl Representation for Apart<'_> {
 
     #[inline(always)]
     fn hides<S: Simd>(&self, s: S, r: SampleRect, z: f32) -> bool {
-        if self.is_open(s, r) {
-            return false;
-        }
-        match self.depth {
-            None => true,
-            Some(reading) => self.map.covered_is_nearer(s, r, z, reading),
-        }
+        !self.is_open(s, r) && self.is_behind(s, r, z)
     }
 
     #[inline(always)]
     fn is_open<S: Simd>(&self, s: S, r: SampleRect) -> bool {
-        if self.conservative {
-            self.map.is_open(s, r)
-        } else {
-            !overlap_test(self.map, self.pyramid, self.thresholds, r)
+        match self.overlap(r, None) {
+            Some(overlap) => !overlap.passed,
+            None => self.map.is_open(s, r),
         }
     }
 }
@@ -178,6 +196,15 @@ pub(crate) fn test_box<S: Simd, R: Representation, A: Answer>(
         }
         clip = true;
     }
+}
+
+/// The verdict on what has no finite box: visible, unless it is empty.
+pub(crate) fn without_box(bounds: Aabb) -> Option<Verdict> {
+    if bounds.is_finite() {
+        return None;
+    }
+    let empty = bounds.is_empty() && !bounds.min.is_nan() && !bounds.max.is_nan();
+    Some(if empty { Verdict::Hidden(Hidden::OutsideFrustum) } else { Verdict::Visible(Visible::NearPlane) })
 }
 
 struct TestOne<'a> {
@@ -241,13 +268,8 @@ impl OcclusionBuffer {
     /// [`Error::View`](crate::Error::View) when no view has begun.
     pub fn test(&self, bounds: Aabb, origin: DVec3) -> Result<Verdict> {
         let view = self.box_view(self.begun()?, origin);
-        if !bounds.is_finite() {
-            let empty = bounds.is_empty() && !bounds.min.is_nan() && !bounds.max.is_nan();
-            return Ok(if empty {
-                Verdict::Hidden(Hidden::OutsideFrustum)
-            } else {
-                Verdict::Visible(Visible::NearPlane)
-            });
+        if let Some(verdict) = without_box(bounds) {
+            return Ok(verdict);
         }
         let mut projected = ProjectedBoxes::new();
         self.level.run(ProjectOne { view: &view, min: bounds.min, max: bounds.max, out: &mut projected });
@@ -298,19 +320,18 @@ impl OcclusionBuffer {
     /// The whole screen's state, where both tests are one; `None` where they are not.
     #[inline(always)]
     fn at_once(&self) -> Option<AtOnce<'_>> {
-        let one = self.settings.keep_depth && self.settings.thresholds.is_conservative();
+        let one = self.settings.keep_depth && !self.walks_pyramid();
         one.then_some(AtOnce { map: self.map.view(), reading: self.settings.depth })
     }
 
     /// The whole screen's state, for the two tests one after the other.
     #[inline(always)]
-    fn apart(&self) -> Apart<'_> {
+    pub(super) fn apart(&self) -> Apart<'_> {
         Apart {
             map: self.map.view(),
-            pyramid: &self.pyramid,
-            thresholds: &self.settings.thresholds,
-            conservative: self.settings.thresholds.is_conservative(),
+            overlap: self.overlap_test(),
             depth: if self.settings.keep_depth { Some(self.settings.depth) } else { None },
+            layers: self.layers.as_deref().filter(|layers| layers.fuses()),
         }
     }
 }

@@ -148,7 +148,7 @@ fn read_scene(folder: &Path) -> Result<Scene> {
             position: DVec3::ZERO,
             facing: Facing::Front,
             color: palette(id as u64),
-            opaque: true,
+            opacity: 1.0,
         });
     }
     file.end()?;

@@ -22,8 +22,16 @@ pub struct Object {
     pub facing: Facing,
     /// Base colour, sRGB.
     pub color: [u8; 3],
-    /// False for glass, leaf cards and the like: such an object is drawn but must never be taken as an occluder.
-    pub opaque: bool,
+    /// What its material lets through is 1 less this: 1 is opaque. Anything less (glass, leaf cards, what is not a number) is
+    /// drawn but never taken as an opaque occluder; 0 also where the material does not say how much comes through.
+    pub opacity: f32,
+}
+
+impl Object {
+    /// True when nothing comes through.
+    pub fn is_opaque(&self) -> bool {
+        self.opacity >= 1.0
+    }
 }
 
 /// Objects, and the meshes they are instances of.
@@ -61,7 +69,10 @@ impl Scene {
         }
         for object in &self.objects {
             let facing = object.facing as u64;
-            hash.add(u64::from(object.mesh) << 32 | facing << 1 | u64::from(object.opaque));
+            hash.add(u64::from(object.mesh) << 32 | facing << 1 | u64::from(object.is_opaque()));
+            if !object.is_opaque() {
+                hash.add(object.opacity.to_bits().into());
+            }
             object.position.to_array().iter().for_each(|v| hash.add(v.to_bits()));
             object.rotation.to_cols_array().iter().for_each(|v| hash.add(v.to_bits().into()));
         }

@@ -1,4 +1,4 @@
-//! Material libraries (MTL): as much as a culler needs, the diffuse colour and whether one can see through.
+//! Material libraries (MTL): as much as a culler needs, the diffuse colour and the opacity.
 //!
 //! tobj's own reader panics on `Kd 0.5`, so this one is ours. Every statement that says nothing about colour or opacity is
 //! passed over.
@@ -9,12 +9,18 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 /// What a material says.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Material {
     /// `Kd`, taken as sRGB; `None` where the file gives no colour as numbers.
     pub color: Option<[u8; 3]>,
-    /// `d` below 1, `Tr` above 0 or a `map_d`.
-    pub see_through: bool,
+    /// `d`, or 1 less `Tr`, the least of them, at least 0; 0 where a `map_d` or a halo says that it varies.
+    pub opacity: f32,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material { color: None, opacity: 1.0 }
+    }
 }
 
 /// Reads a library into `materials`; of several materials of one name the first counts.
@@ -43,6 +49,13 @@ pub(crate) fn load(path: &Path, materials: &mut HashMap<String, Material>) -> Re
     Ok(())
 }
 
+impl Material {
+    /// Of several statements the one that lets most through counts.
+    fn let_through(&mut self, opacity: f32) {
+        self.opacity = self.opacity.min(opacity).max(0.0);
+    }
+}
+
 fn keep(materials: &mut HashMap<String, Material>, material: Option<(String, Material)>) {
     if let Some((name, material)) = material {
         materials.entry(name).or_insert(material);
@@ -69,10 +82,10 @@ fn statement(material: &mut Material, word: &str, rest: &str) -> std::result::Re
         "d" => {
             let halo = words.clone().next() == Some("-halo");
             let opacity = number(words.nth(usize::from(halo)).unwrap_or_default())?;
-            material.see_through |= opacity < 1.0 || halo;
+            material.let_through(if halo { 0.0 } else { opacity });
         }
-        "Tr" => material.see_through |= number(words.next().unwrap_or_default())? > 0.0,
-        "map_d" => material.see_through = true,
+        "Tr" => material.let_through(1.0 - number(words.next().unwrap_or_default())?),
+        "map_d" => material.let_through(0.0),
         _ => {}
     }
     Ok(())

@@ -21,8 +21,8 @@ use crate::error::{Error, Result};
 ///
 /// Every `o` statement begins an object, and so does every `g` name within it (named `object/group`); a group that comes
 /// back is the same object. An object of several materials becomes one per material, named `object/material`. Faces without a name are of an object named after
-/// the file. A `Kd` becomes the object's colour; `d` below 1, `Tr` above 0 or `map_d` make it not
-/// [`opaque`](Object::opaque). Lines, points and curves are left out. A library that is not there leaves its materials
+/// the file. A `Kd` becomes the object's colour; `d` and `Tr` its
+/// [`opacity`](Object::opacity), and a `map_d` makes that 0. Lines, points and curves are left out. A library that is not there leaves its materials
 /// without colour; so do unknown names.
 ///
 /// # Errors
@@ -102,7 +102,7 @@ fn assemble(
             position: DVec3::ZERO,
             facing: Facing::Both,
             color: material.color.unwrap_or_else(|| palette(id as u64)),
-            opaque: !material.see_through,
+            opacity: material.opacity,
         });
     }
     Ok(scene)

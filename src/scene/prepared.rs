@@ -6,7 +6,7 @@ use super::model::rotate;
 use super::{Object, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
-use crate::occlusion::{BoxSet, Occluder};
+use crate::occlusion::{BoxSet, Occluder, optical_depth, relative_luminance};
 use crate::raster::{MeshId, PreparedMeshes};
 
 /// Everything that does not change from frame to frame.
@@ -58,7 +58,9 @@ impl PreparedScene {
                 position: object.position,
                 rotation,
                 facing: object.facing,
-                opaque: object.opaque,
+                opaque: object.is_opaque(),
+                optical_depth: if object.is_opaque() { 0 } else { optical_depth(object.opacity.into()) },
+                luminance: relative_luminance(object.color),
             });
             out.bounds.push(scene.object_bounds(object, out.origin));
             shade(scene, object, &mut out.colors);

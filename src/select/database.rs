@@ -58,8 +58,21 @@ impl OccluderDatabase {
     /// The objects of a scene that `may_occlude`, under their own ids. What is not opaque, or has no triangles or no finite box,
     /// never gets in.
     pub fn of_scene(scene: &PreparedScene, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
+        OccluderDatabase::of_covering(scene, |occluder| occluder.opaque, may_occlude)
+    }
+
+    /// As [`OccluderDatabase::of_scene`], for a buffer that fuses layers: with translucent objects that add something (4.4).
+    pub fn of_fused_scene(scene: &PreparedScene, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
+        OccluderDatabase::of_covering(scene, |occluder| occluder.opaque || occluder.optical_depth > 0, may_occlude)
+    }
+
+    fn of_covering(
+        scene: &PreparedScene,
+        covers: impl Fn(&Occluder) -> bool,
+        may_occlude: impl Fn(u32) -> bool,
+    ) -> OccluderDatabase {
         let triangles: Vec<u32> = (0..scene.occluders.len() as u32).map(|id| scene.triangles(id)).collect();
-        let admitted = |id: usize| scene.occluders[id].opaque && triangles[id] > 0 && may_occlude(id as u32);
+        let admitted = |id: usize| covers(&scene.occluders[id]) && triangles[id] > 0 && may_occlude(id as u32);
         let bounds = scene.bounds.iter().enumerate().map(|(id, &b)| if admitted(id) { b } else { Aabb::EMPTY });
         OccluderDatabase::build(None, scene.occluders.clone(), bounds.collect(), triangles, scene.origin)
     }

@@ -27,7 +27,7 @@ impl Builder {
             position: DVec3::ZERO,
             facing,
             color: [(id * 37 % 251) as u8, (id * 91 % 241) as u8, (id * 17 % 239) as u8],
-            opaque: true,
+            opacity: 1.0,
         });
         self.0.objects.last_mut().unwrap()
     }

@@ -396,7 +396,7 @@ fn boxes() -> Vec<StabilityCase> {
         pictures("translucent", "half of the objects must not occlude", || {
             let mut s = Shapes::new(36);
             s.town(1.0);
-            s.scene.objects.iter_mut().step_by(2).for_each(|o| o.opaque = false);
+            s.scene.objects.iter_mut().step_by(2).for_each(|o| o.opacity = 0.5);
             Ok(Setup { views: Lens::PLAIN.at_town(1.0, DVec3::ZERO)?, scene: s.scene })
         }),
     ]

@@ -166,7 +166,8 @@ impl<'a> Bench<'a> {
         let readings = [("query by block", DepthReading::PerBlock), ("query", DepthReading::PerSample)];
         self.buffer.submit(&self.scene.meshes, &self.scene.occluders)?;
         for (way, reading) in readings {
-            self.buffer.settings_mut().depth = reading;
+            let settings = OcclusionSettings { depth: reading, ..self.buffer.settings().clone() };
+            self.buffer.set_settings(settings)?;
             let mut flags = Vec::new();
             self.buffer.test_projected(&self.boxes, 0..self.boxes.len(), bounds, origin, &mut flags)?;
             let mut hidden = none.clone();

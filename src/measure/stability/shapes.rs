@@ -64,7 +64,7 @@ impl Shapes {
             position: self.origin,
             facing: Facing::Both,
             color: [(id * 37 % 251) as u8, (id * 91 % 241) as u8, (id * 17 % 239) as u8],
-            opaque: true,
+            opacity: 1.0,
         });
         &mut self.scene.objects[id]
     }

@@ -74,7 +74,7 @@ impl Stock {
     /// Places a shape that comes and goes with the piece placed last.
     pub fn attach(&mut self, name: String, mesh: u32, rotation: Mat3, position: DVec3, color: [u8; 3]) {
         self.triangles += self.meshes[mesh as usize].triangles().len() as u64;
-        self.objects.push(Object { name, mesh, rotation, position, facing: Facing::Front, color, opaque: true });
+        self.objects.push(Object { name, mesh, rotation, position, facing: Facing::Front, color, opacity: 1.0 });
         if let Some(piece) = self.pieces.last_mut() {
             piece.objects.end = self.objects.len();
         }
@@ -157,7 +157,7 @@ impl Stock {
             scene.meshes.push(solid.mesh());
             let (name, position, color) = (spare.name.into(), spare.position, spare.color);
             let (rotation, facing) = (Mat3::IDENTITY, Facing::Front);
-            scene.objects.push(Object { name, mesh, rotation, position, facing, color, opaque: true });
+            scene.objects.push(Object { name, mesh, rotation, position, facing, color, opacity: 1.0 });
         }
         scene
     }
