@@ -35,7 +35,9 @@ fn in_time<T: Send + 'static>(what: &str, run: impl FnOnce() -> T + Send + 'stat
 
 /// What happened, in order; and somebody who waits for it.
 #[derive(Clone, Default)]
-struct Log(Arc<(Mutex<Vec<(&'static str, usize)>>, Condvar)>);
+type Entries = Mutex<Vec<(&'static str, usize)>>;
+
+struct Log(Arc<(Entries, Condvar)>);
 
 impl Log {
     fn note(&self, what: &'static str, frame: usize) {

@@ -10,6 +10,7 @@ use crate::view::Viewport;
 
 /// A method and its parameters.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)] // there are a few of them a walk
 pub enum Method {
     /// View-frustum culling alone.
     Vfc,

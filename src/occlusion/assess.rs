@@ -113,6 +113,7 @@ impl Kernel for Assess<'_> {
             state.luminance = match luminance {
                 _ if !buffer.settings.contrast => None,
                 Luminances::Same(luminance) => luminance,
+                #[allow(clippy::manual_map)] // kernels hold no closures
                 Luminances::ById(occluders) => match occluders.get(b.id() as usize) {
                     Some(occluder) => Some(occluder.luminance),
                     None => None,

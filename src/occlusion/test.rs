@@ -114,6 +114,7 @@ impl Apart<'_> {
     /// The overlap test through the pyramid, for something of a luminance.
     #[inline(always)]
     pub fn overlap(&self, r: SampleRect, luminance: Option<u8>) -> Option<Overlap> {
+        #[allow(clippy::manual_map)] // kernels hold no closures
         match &self.overlap {
             Some(test) => Some(test.run(r, luminance)),
             None => None,

@@ -276,7 +276,7 @@ fn inside(site: &mut Site, floor: usize, casing: &Room) {
                 site.put(Rank::Fill, "platen", platen, DVec3::new(x, y, z), Mat3::IDENTITY, TUBE);
             }
         }
-        if size.x > 12.0 && floor % 3 != 0 {
+        if size.x > 12.0 && !floor.is_multiple_of(3) {
             site.put(Rank::Fill, "coil", coil, DVec3::new(casing.max.x - 3.9, y, z), Mat3::IDENTITY, TUBE);
         }
         site.end();
