@@ -3,6 +3,7 @@
 //! Field names and units are a promise to whoever reads them by program: times in milliseconds,
 //! ratios plain, percent only where the name says so. What was not measured is `null`, never zero:
 //! the exact figures without the exact reference, the ratios without the method they are against.
+//! The peak memory alone is left out where the system does not tell it.
 //! Hashes are strings of 16 hexadecimal digits, because JSON's numbers end at 53 bits.
 
 use serde_json::{Map, Value, json};

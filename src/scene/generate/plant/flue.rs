@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::super::piping::{ladder, rail};
 use super::super::solid::Solid;
 use super::super::stock::Rank;
-use super::plan::{Plan, Room};
+use super::plan::{BRIDGE, Plan, Room};
 use super::site::Site;
 
 const DUCT: [u8; 3] = [176, 170, 156];
@@ -71,12 +71,15 @@ pub(super) fn flue(site: &mut Site) {
     duct(site, "flue", min, max, 4.0, DUCT);
     // The air heater: a drum in a tall housing, over which the flue comes and under which it leaves.
     let low = DVec3::new(row.heater, 2.0, min.z - 1.0);
-    let high = DVec3::new(row.heater + 8.0, max.y + 1.5, max.z + 1.0);
+    let most = plan.level(plan.walk_floor) - BRIDGE;
+    let high = DVec3::new(row.heater + 8.0, (max.y + 1.5).min(most), max.z + 1.0);
     duct(site, "air_heater", low, high, 4.0, FILTER);
-    let mut rotor = Solid::default();
-    rotor.lathe(32, &[(3.8, 0.0), (4.3, 0.3), (4.3, 2.2), (3.8, 2.5)]);
-    site.build(Rank::Must, "rotor", rotor, DVec3::new(row.heater + 4.0, max.y + 1.5, 0.0), STEEL);
-    let base = max.y - 3.0;
+    if high.y + 2.5 < most {
+        let mut rotor = Solid::default();
+        rotor.lathe(32, &[(3.8, 0.0), (4.3, 0.3), (4.3, 2.2), (3.8, 2.5)]);
+        site.build(Rank::Must, "rotor", rotor, DVec3::new(row.heater + 4.0, high.y, 0.0), STEEL);
+    }
+    let base = (max.y - 3.0).max(min.y);
     duct(
         site,
         "flue",

@@ -76,14 +76,11 @@ fn turned(solid: &Solid, turn: Mat3) -> Solid {
     out
 }
 
-/// A straight pipe along y from 0 on, with flanges towards both ends.
+/// A straight pipe along y from 0 on, with a flanged joint.
 fn spool((radius, sides, count): (f32, usize, usize), length: f32) -> Solid {
     let mut solid = Solid::default();
     rod(&mut solid, sides, radius, Vec3::ZERO, Vec3::Y * length);
-    let joint = flange(sides, radius, count);
-    for share in [0.22, 0.72] {
-        solid.join(&joint, Mat3::IDENTITY, Vec3::Y * (length * share));
-    }
+    solid.join(&flange(sides, radius, count), Mat3::IDENTITY, Vec3::Y * (length * 0.3));
     solid
 }
 
@@ -143,12 +140,11 @@ pub(super) fn overhang(radius: f32) -> f32 {
 }
 
 /// From the end of a run along x on the lane above `under`: a bend up and on to the floor above, a collar at the floor.
-fn end_up((radius, sides, count): (f32, usize, usize), under: f32) -> Solid {
+fn end_up((radius, sides, _): (f32, usize, usize), under: f32) -> Solid {
     let mut solid = Solid::default();
     let rise = STOREY as f32 - under - radius;
     let corner = Vec3::X * overhang(radius);
     pipe(&mut solid, sides, radius, &[Vec3::ZERO, corner, corner + Vec3::Y * rise], (bend(radius), 5));
-    solid.join(&flange(sides, radius, count), Mat3::IDENTITY, corner + Vec3::Y * (bend(radius) + 0.1));
     solid.column(sides, glam::Vec2::new(corner.x, 0.0), (rise - 0.16, radius * 1.6), (rise - 0.1, radius * 1.6));
     solid
 }

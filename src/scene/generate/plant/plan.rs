@@ -14,6 +14,8 @@ pub(super) const STOREY: f64 = 5.0;
 /// Width of an aisle, and how far its middle is from the column line beside it.
 pub(super) const AISLE: f64 = 1.8;
 pub(super) const BESIDE: f64 = 1.5;
+/// Metres below the walk's floor that its bridges take.
+pub(super) const BRIDGE: f64 = 2.1;
 /// Metres that must be free above an aisle's floor.
 const HEADROOM: f64 = 2.45;
 
@@ -171,7 +173,7 @@ impl Plan {
         let shaft = self.shaft();
         let half = (shaft.max.z - shaft.min.z) * 0.3;
         let high = if self.floors > 6 { 2.0 } else { 1.0 };
-        let below = self.level(self.walk_floor) - 1.4;
+        let below = self.level(self.walk_floor) - BRIDGE;
         let (y0, y1) = (STOREY * high + 0.7, (STOREY * (high + 1.0) + 3.6).min(below));
         Room::new([shaft.max.x - 1.0, y0, -half], [self.line_x(self.bays_x) + 4.0, y1, half])
     }

@@ -110,7 +110,7 @@ fn run(site: &mut Site, lane: Lane, first: usize, length: usize) {
             break;
         }
         strand(site, lane, first, length, across + width * 0.5, size);
-        across += width + 0.12 + site.random.range(0.0, 0.3);
+        across += width + 0.14 + site.random.range(0.0, 0.42);
     }
     let trapeze = site.shapes.pipes.trapezes[hung];
     for bay in first..first + length {

@@ -164,7 +164,9 @@ fn exits(plan: &Plan) -> [DVec2; 3] {
 /// The bridges that the walk comes and goes by: to the side of the house, and behind it.
 pub(super) fn bridges(plan: &Plan) -> [Aisle; 2] {
     let (front, rear) = (plan.aisles[0], plan.aisles[4]);
-    let along_z = Aisle { from: front.from - DVec2::Y * 40.0, to: front.from, along_x: false };
+    // Far enough to see the house whole: all of it in a small plant, most in a large one.
+    let length = (plan.top() * 0.7 + 14.0).min(40.0);
+    let along_z = Aisle { from: front.from - DVec2::Y * length, to: front.from, along_x: false };
     let along_x = Aisle { from: rear.to, to: rear.to + DVec2::X * 14.0, along_x: true };
     [along_z, along_x]
 }

@@ -161,7 +161,7 @@ fn coal(site: &mut Site) {
     let [bridge, _] = bridges(plan);
     let deck = plan.level(plan.walk_floor);
     let at = DVec3::new(bridge.from.x, 0.0, bridge.from.y - 5.5);
-    let top = plan.level(plan.floors - 1) as f32 + 3.0;
+    let top = plan.level(plan.floors.max(plan.walk_floor + 2) - 1) as f32 + 3.0;
     let mut tower = Solid::default();
     tower.cuboid(Vec3::new(-9.0, deck as f32 + 4.0, -4.5), Vec3::new(4.0, top, 4.5));
     for k in 0..24 {
