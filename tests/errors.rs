@@ -175,6 +175,8 @@ fn an_unknown_method_key_or_value_is_named() {
         ("hom:colour=red", "colour"),
         ("hom:depth=deep", "deep"),
         ("hom:depth", "depth"),
+        ("hom:deb-size=8x8", "deb-size"),
+        ("hom:depth=deb,deb-size=0x8", "0x8"),
         ("hom:threshold=0", "threshold"),
         ("hom:threshold=1.5", "1.5"),
         ("hom:threshold=NaN", "NaN"),

@@ -3,7 +3,7 @@
 mod oracle;
 
 use homcull::geometry::SampleRect;
-use homcull::occlusion::{DepthReading, OcclusionSettings, ProjectedBoxes, Thresholds};
+use homcull::occlusion::{DepthReading, DepthRepresentation, OcclusionSettings, ProjectedBoxes, Thresholds};
 use homcull::scene::PreparedScene;
 use homcull::view::View;
 use homcull_simd::Level;
@@ -12,6 +12,7 @@ use oracle::state::{State, begun, for_levels};
 use oracle::verdicts::{all_covered, at_the_edge, verdicts, world};
 
 fn with(thresholds: Thresholds, keep_depth: bool, depth: DepthReading) -> OcclusionSettings {
+    let depth = DepthRepresentation::NoBackground(depth);
     OcclusionSettings { thresholds, keep_depth, depth, ..OcclusionSettings::default() }
 }
 

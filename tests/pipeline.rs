@@ -34,9 +34,9 @@ fn in_time<T: Send + 'static>(what: &str, run: impl FnOnce() -> T + Send + 'stat
 // ---- the schedule, with stages that only take notes
 
 /// What happened, in order; and somebody who waits for it.
-#[derive(Clone, Default)]
 type Entries = Mutex<Vec<(&'static str, usize)>>;
 
+#[derive(Clone, Default)]
 struct Log(Arc<(Entries, Condvar)>);
 
 impl Log {

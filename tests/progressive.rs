@@ -2,7 +2,9 @@
 
 mod oracle;
 
-use homcull::occlusion::{DepthReading, Occluders, OcclusionSettings, ProgressiveJob, ProjectedBoxes};
+use homcull::occlusion::{
+    DepthReading, DepthRepresentation, Occluders, OcclusionSettings, ProgressiveJob, ProjectedBoxes,
+};
 use homcull::scene::PreparedScene;
 use homcull::view::View;
 use homcull_simd::Level;
@@ -60,7 +62,8 @@ fn progressive_culling_is_round_by_round_culling_in_any_number_of_bands() {
         let (view, mut scene) = world(&mut r, round, 90);
         scene.occluders.iter_mut().step_by(7).for_each(|o| o.opaque = false);
         for depth in [DepthReading::PerSample, DepthReading::PerBlock] {
-            let settings = OcclusionSettings { depth, ..OcclusionSettings::default() };
+            let settings =
+                OcclusionSettings { depth: DepthRepresentation::NoBackground(depth), ..OcclusionSettings::default() };
             let what = format!("round {round}, {depth:?}");
             let gold = for_levels(&what, |level| round_by_round(level, &view, &scene, settings.clone()));
             for bands in [1, 2, 3, 5] {

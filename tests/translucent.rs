@@ -63,7 +63,11 @@ fn sample(panes: &[Pane], fusion: Option<f64>, x: u32, y: u32) -> (bool, f32) {
 }
 
 fn settings(fusion: Option<f64>, depth: DepthReading) -> OcclusionSettings {
-    OcclusionSettings { fusion, depth, ..OcclusionSettings::default() }
+    OcclusionSettings {
+        fusion,
+        depth: homcull::occlusion::DepthRepresentation::NoBackground(depth),
+        ..OcclusionSettings::default()
+    }
 }
 
 #[test]

@@ -119,6 +119,10 @@ pub enum Depth {
     Nbz,
     /// The no-background Z-buffer, one farthest depth a block
     NbzBlock,
+    /// The depth estimation buffer of 64x64 partitions; not with `progressive`
+    Deb,
+    /// The single plane; not with `progressive`
+    Plane,
 }
 
 /// On or off.

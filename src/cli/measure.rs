@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::measure::json::write_json;
 use crate::measure::kernels::{Agreement, KernelBench, KernelOptions, NORMAL_GHZ, Times, Verdicts};
 use crate::measure::statistics::median;
-use crate::occlusion::DepthReading;
+use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
 use crate::scene::{PreparedScene, load_reference};
 
 /// Repetitions of each view, of which the fastest counts.
@@ -37,7 +37,12 @@ pub fn run(kernel: Kernel, scene: &str, cluster_test: bool, depth: Depth, option
         level,
         repetitions: options.repetitions.map_or(REPETITIONS, |n| n as usize),
         cluster_test,
-        depth: if depth == Depth::Nbz { DepthReading::PerSample } else { DepthReading::PerBlock },
+        depth: match depth {
+            Depth::Nbz => DepthRepresentation::NoBackground(DepthReading::PerSample),
+            Depth::NbzBlock => DepthRepresentation::NoBackground(DepthReading::PerBlock),
+            Depth::Deb => DepthRepresentation::Estimation(Partitions::default()),
+            Depth::Plane => DepthRepresentation::Plane,
+        },
         keep_depth: true,
     };
     let bar = progress::bar(loaded.views.len(), "measure", options.quiet);

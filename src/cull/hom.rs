@@ -1,8 +1,8 @@
 //! Hierarchical occlusion maps (Zhang 1998, chapters 3 and 8): OccSel, Cull, and the draw of what is left.
 //!
 //! One pass draws selected occluders, then tests everything; multi-pass merges what turned out visible whenever enough of
-//! it has gathered (2.1.4); progressive does so object by object (`progressive.rs`). In all of them a **counted bypass** ends
-//! testing for the frame after a number of consecutive tests without a hidden object; and after a frame that hid next to
+//! it has gathered (2.1.4); progressive does so object by object (`progressive.rs`; with thresholds below 1, or the depth of a
+//! far boundary, as multi-pass of one object a round). In all of them a **counted bypass** ends testing for the frame after a number of consecutive tests without a hidden object; and after a frame that hid next to
 //! nothing, culling **rests** for some frames, which are drawn as `vfc` draws them. So open views cost next to nothing, and
 //! since every frame is conservative by itself, resting can't be seen. Both go by counts, never by clocks.
 //! With thresholds at 1 and the display's samples all of them are conservative: the picture stays the same, bit for bit.
@@ -217,9 +217,9 @@ pub fn select_occluders(
     Ok(HomFrame { buffer, selected, tests, line })
 }
 
-/// Whether frames are culled through the hierarchy: progressively, with thresholds of 1.
+/// Whether frames are culled through the hierarchy: progressively, where both tests are one.
 pub(crate) fn walks_tree(parameters: &HomParameters, buffer: &OcclusionBuffer) -> bool {
-    parameters.update == Update::Always && !buffer.walks_pyramid()
+    parameters.update == Update::Always && buffer.tests_at_once()
 }
 
 /// OccSel without a buffer.

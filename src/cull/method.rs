@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::overlap_parameters::{OverlapParameters, overlap_parameters};
 use crate::error::{Error, Result};
-use crate::occlusion::DepthReading;
+use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
 use crate::select::{Criterion, DEFAULT_TRIANGLES, Measure, StaticCriteria};
 use crate::view::Viewport;
 
@@ -59,8 +59,8 @@ pub enum Database {
 pub struct HomParameters {
     /// When the representation is updated.
     pub update: Update,
-    /// How depth is read.
-    pub depth: DepthReading,
+    /// What stands for the occluders' depth (chapter 6).
+    pub depth: DepthRepresentation,
     /// How occluders are chosen.
     pub select: Selection,
     /// What they are chosen from.
@@ -108,7 +108,7 @@ impl HomParameters {
     pub fn new(update: Update) -> HomParameters {
         HomParameters {
             update,
-            depth: DepthReading::PerSample,
+            depth: DepthRepresentation::default(),
             select: Selection::Distance(Measure::Center),
             database: Database::All,
             bake: None,
@@ -169,7 +169,7 @@ pub struct MethodDescription {
 macro_rules! hom_parameters {
     () => {
         concat!(
-            "depth=nbz|nbz-block, resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
+            "depth=nbz|nbz-block|deb|plane, deb-size=64x64 (with deb), resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
              lag=1 (3 with pipeline=on), ",
             overlap_parameters!()
         )
@@ -251,6 +251,9 @@ impl Method {
             }
             p.check()?;
             p.overlap.check(parameters)?;
+            if let (Some(fusion), false) = (p.overlap.fusion, matches!(p.depth, DepthRepresentation::NoBackground(_))) {
+                return Err(Error::parameter("fusion", fusion, "needs depth=nbz or depth=nbz-block"));
+            }
         }
         Ok(method)
     }
@@ -296,9 +299,18 @@ impl HomParameters {
         let bad = |reason: &str| Error::parameter(key, value, reason);
         let number = |what: &str| value.parse::<u64>().map_err(|_| bad(what));
         match (key, value) {
-            ("depth", "nbz") => self.depth = DepthReading::PerSample,
-            ("depth", "nbz-block") => self.depth = DepthReading::PerBlock,
-            ("depth", _) => return Err(bad("nbz or nbz-block")),
+            ("depth", "nbz") => self.depth = DepthRepresentation::NoBackground(DepthReading::PerSample),
+            ("depth", "nbz-block") => self.depth = DepthRepresentation::NoBackground(DepthReading::PerBlock),
+            ("depth", "deb") => self.depth = DepthRepresentation::Estimation(Partitions::default()),
+            ("depth", "plane") => self.depth = DepthRepresentation::Plane,
+            ("depth", _) => return Err(bad("nbz, nbz-block, deb or plane")),
+            ("deb-size", _) if matches!(self.depth, DepthRepresentation::Estimation(_)) => {
+                let size = parse_sides(value)
+                    .and_then(|[w, h]| Partitions::new(u32::try_from(w).ok()?, u32::try_from(h).ok()?).ok());
+                let size = size.ok_or_else(|| bad("WxH, 1 to 16384 partitions of the screen a side"))?;
+                self.depth = DepthRepresentation::Estimation(size);
+            }
+            ("deb-size", _) => return Err(bad("it must follow depth=deb")),
             ("update", "once") => self.update = Update::Once,
             ("update", "batches") => self.update = Update::Batches(DEFAULT_UPDATE_TRIANGLES),
             ("update", "always") => self.update = Update::Always,
@@ -362,7 +374,10 @@ impl HomParameters {
 
     fn list(&self) -> Vec<(String, String)> {
         let mut out: Vec<(&str, String)> = Vec::new();
-        out.push(("depth", if self.depth == DepthReading::PerSample { "nbz" } else { "nbz-block" }.into()));
+        out.push(("depth", self.depth.name().into()));
+        if let DepthRepresentation::Estimation(p) = self.depth {
+            out.push(("deb-size", format!("{}x{}", p.width(), p.height())));
+        }
         match self.update {
             Update::Once => {
                 let select = match self.select {
@@ -411,10 +426,15 @@ fn on_off(on: bool) -> &'static str {
 }
 
 fn parse_resolution(value: &str) -> Result<Viewport> {
-    let sides = value.split_once('x').and_then(|(w, h)| Some((w.parse::<u64>().ok()?, h.parse::<u64>().ok()?)));
-    let (width, height) = sides.ok_or_else(|| Error::parameter("resolution", value, "WxH, in samples"))?;
+    let [width, height] = parse_sides(value).ok_or_else(|| Error::parameter("resolution", value, "WxH, in samples"))?;
     match (u32::try_from(width), u32::try_from(height)) {
         (Ok(w), Ok(h)) => Viewport::new(w, h),
         _ => Err(Error::Size { width, height }),
     }
+}
+
+/// Two numbers with an x between.
+fn parse_sides(value: &str) -> Option<[u64; 2]> {
+    let (width, height) = value.split_once('x')?;
+    Some([width.parse().ok()?, height.parse().ok()?])
 }

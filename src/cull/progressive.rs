@@ -27,7 +27,8 @@ use crate::view::View;
 pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
     let HomFrame { buffer, selected: Selected { view, boxes, stack, .. }, .. } = frame;
     let box_view = world.box_view(view);
-    let OcclusionSettings { depth: reading, no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
+    let reading = buffer.reading();
+    let OcclusionSettings { no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
     let (level, mut sink, queues, counts) = buffer.parts();
     let walk = Walk {
         world,

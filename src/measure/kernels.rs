@@ -10,7 +10,8 @@ use crate::draw::Canvas;
 use crate::error::Result;
 use crate::hash::Hash;
 use crate::occlusion::{
-    BandJob, DepthReading, Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob, ProjectedBoxes,
+    BandJob, DepthRepresentation, Occluder, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob,
+    ProjectedBoxes,
 };
 use crate::scene::{PreparedScene, Reference};
 use crate::view::{View, Viewport};
@@ -28,8 +29,8 @@ pub struct KernelOptions {
     pub repetitions: usize,
     /// Whether clusters are tested before they are drawn.
     pub cluster_test: bool,
-    /// How depth is read.
-    pub depth: DepthReading,
+    /// What stands for the occluders' depth. Progressive culling in bands takes the no-background Z-buffer alone.
+    pub depth: DepthRepresentation,
     /// False for coverage alone (`raster`).
     pub keep_depth: bool,
 }

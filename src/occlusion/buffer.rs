@@ -3,6 +3,7 @@
 use glam::{DVec3, Mat3};
 use homcull_simd::Level;
 
+use super::depth::{Depth, DepthRepresentation};
 use super::layers::Layers;
 #[cfg(feature = "bvh")]
 use super::map::OccluderSink;
@@ -57,12 +58,13 @@ pub struct Occluders<'a> {
 pub struct OcclusionSettings {
     /// What counts as opaque; at 1 (the default) tests are conservative.
     pub thresholds: Thresholds,
-    /// How the no-background Z-buffer is read.
-    pub depth: DepthReading,
+    /// What stands for the occluders' depth. Another reading of the no-background Z-buffer holds from the next test on, another
+    /// representation from the next view on.
+    pub depth: DepthRepresentation,
     /// Whether whole clusters are tested before their triangles are drawn. Never changes the effective state.
     pub cluster_test: bool,
     /// False for the occlusion map alone, without depth: [`OcclusionBuffer::test`] is then the overlap test, for occluders
-    /// that are known to stand in front.
+    /// that are known to stand in front. A change holds from the next view on.
     pub keep_depth: bool,
     /// False when the picture's sample positions are unknown (another renderer, multisampling): a box between samples then counts
     /// as visible.
@@ -82,7 +84,7 @@ impl Default for OcclusionSettings {
     fn default() -> Self {
         OcclusionSettings {
             thresholds: Thresholds::conservative(),
-            depth: DepthReading::default(),
+            depth: DepthRepresentation::default(),
             cluster_test: true,
             keep_depth: true,
             no_sample_is_hidden: true,
@@ -102,6 +104,8 @@ pub struct OcclusionBuffer {
     pub(super) level: Level,
     pub(super) settings: OcclusionSettings,
     pub(super) map: OcclusionMap,
+    /// Of the kind that the settings asked for when the view began.
+    pub(super) depth: Depth,
     pub(super) pyramid: Pyramid,
     /// The thresholds as hole counts.
     pub(super) limits: Limits,
@@ -144,6 +148,7 @@ impl OcclusionBuffer {
             map: OcclusionMap::new(grid),
             limits: Limits::new(&settings.thresholds, settings.pyramid.block_samples(), 0, pyramid.levels() - 1),
             settings,
+            depth: Depth::InMap,
             pyramid,
             layers: None,
             queues: vec![Queues::new()],
@@ -155,7 +160,8 @@ impl OcclusionBuffer {
         }
     }
 
-    /// Bytes that a buffer of this size holds: 8.8 MB at 1920x1080, 1.1 GB at 16384x16384.
+    /// Bytes that a buffer of this size holds: 8.8 MB at 1920x1080, 1.1 GB at 16384x16384. A depth estimation buffer adds four a
+    /// partition.
     pub fn bytes(viewport: Viewport) -> usize {
         OcclusionMap::bytes(Grid::new(viewport))
     }
@@ -169,6 +175,14 @@ impl OcclusionBuffer {
     pub fn set_settings(&mut self, settings: OcclusionSettings) -> Result<()> {
         let grid = self.map.grid;
         settings.pyramid.check()?;
+        if let (Some(fusion), false) = (settings.fusion, matches!(settings.depth, DepthRepresentation::NoBackground(_)))
+        {
+            return Err(Error::parameter(
+                "fusion",
+                fusion,
+                "needs the no-background Z-buffer: depth=nbz or depth=nbz-block",
+            ));
+        }
         let another = settings.pyramid != self.settings.pyramid || settings.contrast != self.settings.contrast;
         let pyramid = another.then(|| Pyramid::new(grid, settings.pyramid, settings.contrast));
         let levels = pyramid.as_ref().unwrap_or(&self.pyramid).levels();
@@ -184,6 +198,9 @@ impl OcclusionBuffer {
         }
         self.limits = Limits::new(&settings.thresholds, settings.pyramid.block_samples(), finest, coarsest);
         self.settings = settings;
+        if self.view.is_none() {
+            self.depth.begin(&self.settings, grid);
+        }
         self.settle();
         Ok(())
     }
@@ -223,6 +240,7 @@ impl OcclusionBuffer {
         if let Some(layers) = &mut self.layers {
             layers.clear();
         }
+        self.depth.begin(&self.settings, self.map.grid);
         self.counts = RasterCounts::default();
         self.settle();
         Ok(())
@@ -273,6 +291,21 @@ impl OcclusionBuffer {
     #[cfg(feature = "bvh")]
     pub(crate) fn parts(&mut self) -> (Level, OccluderSink<'_>, &mut Queues, &mut RasterCounts) {
         (self.level, self.map.sink(), &mut self.queues[0], &mut self.counts)
+    }
+
+    /// True where both tests are one: thresholds at 1, and depth in the no-background Z-buffer. Verdicts then do not depend on how a
+    /// walk is cut up.
+    #[inline(always)]
+    pub(crate) fn tests_at_once(&self) -> bool {
+        self.depth.is_in_map() && !self.walks_pyramid()
+    }
+
+    /// How the no-background Z-buffer is read.
+    pub(crate) fn reading(&self) -> DepthReading {
+        match self.settings.depth {
+            DepthRepresentation::NoBackground(reading) => reading,
+            _ => DepthReading::default(),
+        }
     }
 
     /// How it tests.

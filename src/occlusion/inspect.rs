@@ -1,6 +1,8 @@
 //! What an occlusion buffer holds: its size and counts, coverage and depth of samples, a hash, a picture in text.
 
 use super::buffer::OcclusionBuffer;
+use super::depth::Depth;
+use super::depth_estimation::DepthEstimationBuffer;
 use crate::raster::RasterCounts;
 
 impl OcclusionBuffer {
@@ -14,14 +16,26 @@ impl OcclusionBuffer {
         self.counts
     }
 
-    /// The effective reversed depth at a sample, 0 where nothing covers it; `None` outside the viewport.
+    /// The reversed depth that stands for the occluders at a sample; `None` outside the viewport. In the no-background Z-buffer it is
+    /// the effective depth, 0 where nothing covers the sample; a far boundary has +infinity where no occluder is. Without
+    /// depth it is +infinity where the sample is covered, else 0.
     pub fn depth_at(&self, x: u32, y: u32) -> Option<f32> {
-        let grid = self.map.grid;
-        if x >= grid.width() as u32 || y >= grid.height() as u32 {
-            return None;
-        }
-        let (tile, block) = grid.place(x as usize / 8, y as usize / 8);
-        Some(self.effective(tile, block, (y as usize % 8) * 8 + x as usize % 8))
+        let covered = self.covered(x, y)?;
+        Some(match &self.depth {
+            Depth::Nothing if covered => f32::INFINITY,
+            Depth::Nothing => 0.0,
+            Depth::InMap => {
+                let (tile, block) = self.map.grid.place(x as usize / 8, y as usize / 8);
+                self.effective(tile, block, (y as usize % 8) * 8 + x as usize % 8)
+            }
+            Depth::Estimation(buffer) => buffer.at(x as i32, y as i32),
+            Depth::Plane(plane) => plane.depth(),
+        })
+    }
+
+    /// The depth estimation buffer, where depth is kept in one.
+    pub fn depth_estimation(&self) -> Option<&DepthEstimationBuffer> {
+        if let Depth::Estimation(buffer) = &self.depth { Some(buffer) } else { None }
     }
 
     /// True when an occluder covers the sample; `None` outside the viewport.
@@ -40,7 +54,7 @@ impl OcclusionBuffer {
         self.map.view().effective(tile, block, sample).max(fused)
     }
 
-    /// A hash of coverage and effective depths: of what the state means, not of how it came about.
+    /// A hash of coverage and of the depths kept: of what the state means, not of how it came about.
     pub fn state_hash(&self) -> u64 {
         let (grid, coverage) = (self.map.grid, self.coverage());
         let mut hash = crate::hash::Hash::default();
@@ -48,10 +62,15 @@ impl OcclusionBuffer {
             for bx in 0..grid.blocks_x() {
                 let (tile, block) = grid.place(bx, by);
                 hash.add(coverage.word(tile, block));
-                for sample in 0..64 {
+                for sample in (0..64).filter(|_| self.depth.is_in_map()) {
                     hash.add(self.effective(tile, block, sample).to_bits().into());
                 }
             }
+        }
+        match &self.depth {
+            Depth::Nothing | Depth::InMap => {}
+            Depth::Estimation(buffer) => buffer.depths().iter().for_each(|z| hash.add(z.to_bits().into())),
+            Depth::Plane(plane) => hash.add(plane.depth().to_bits().into()),
         }
         hash.value()
     }

@@ -10,6 +10,7 @@ use homcull_simd::{Kernel, Level, Simd};
 
 use super::boxes::ProjectedBoxes;
 use super::buffer::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings};
+use super::depth::Depth;
 use super::map::OccluderSink;
 use super::project::BoxView;
 use super::query::DepthReading;
@@ -147,7 +148,8 @@ impl OcclusionBuffer {
     ///
     /// # Errors
     /// [`Error::View`] when no view has begun; [`Error::Parameter`] when tests walk the pyramid
-    /// ([`OcclusionBuffer::walks_pyramid`]), for which bands would differ, or when no depth is kept.
+    /// ([`OcclusionBuffer::walks_pyramid`]), for which bands would differ, or when depth is not kept in the no-background Z-buffer: a
+    /// far boundary holds for the whole screen and is tested round by round.
     pub fn progressive(
         &mut self,
         boxes: &ProjectedBoxes,
@@ -161,8 +163,15 @@ impl OcclusionBuffer {
             let reason = "progressive culling in bands needs thresholds at 1, every level, and no fusion";
             return Err(Error::parameter("threshold", self.settings.thresholds.opacity(0), reason));
         }
-        if !self.settings.keep_depth {
-            return Err(Error::parameter("keep_depth", false, "progressive culling needs depth"));
+        match &self.depth {
+            Depth::InMap => {}
+            Depth::Nothing => {
+                return Err(Error::parameter("keep_depth", false, "progressive culling in bands needs depth"));
+            }
+            Depth::Estimation(_) | Depth::Plane(_) => {
+                let depth = self.settings.depth.name();
+                return Err(Error::parameter("depth", depth, "progressive culling in bands needs nbz or nbz-block"));
+            }
         }
         let box_view = self.box_view(&view, world.origin);
         let bands = bands.clamp(1, self.map.grid.tiles_y());
@@ -172,7 +181,8 @@ impl OcclusionBuffer {
         let n = boxes.len();
         self.flags.clear();
         self.flags.resize(n * bands, false);
-        let OcclusionSettings { depth: reading, no_sample_is_hidden, cluster_test, .. } = self.settings;
+        let reading = self.reading();
+        let OcclusionSettings { no_sample_is_hidden, cluster_test, .. } = self.settings;
         let (level, view, box_view) = (self.level, &view, &box_view);
         let pass = Pass { level, view, box_view, boxes, world, reading, no_sample_is_hidden, cluster_test };
         let flags = self.flags.chunks_mut(n.max(1));

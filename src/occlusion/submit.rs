@@ -81,7 +81,8 @@ impl OcclusionBuffer {
     /// [`Error::View`](crate::Error::View) when no view has begun.
     pub fn submit(&mut self, meshes: &PreparedMeshes, occluders: &[Occluder]) -> Result<()> {
         let view = *self.begun()?;
-        let (keep_depth, cluster_test) = (self.settings.keep_depth, self.settings.cluster_test);
+        let (keep_depth, cluster_test) = (self.depth.is_in_map(), self.settings.cluster_test);
+        self.depth.push(&view, self.map.grid, meshes, occluders);
         let submit = Submit {
             view: &view,
             sink: self.map.sink(),
@@ -110,7 +111,8 @@ impl OcclusionBuffer {
         run: impl FnOnce(&mut [BandJob<'_>]),
     ) -> Result<()> {
         let view = *self.begun()?;
-        let (level, keep_depth, cluster_test) = (self.level, self.settings.keep_depth, self.settings.cluster_test);
+        let (level, keep_depth, cluster_test) = (self.level, self.depth.is_in_map(), self.settings.cluster_test);
+        self.depth.push(&view, self.map.grid, meshes, occluders);
         let bands = bands.clamp(1, self.map.grid.tiles_y());
         while self.queues.len() < bands {
             self.queues.push(Queues::new());

@@ -4,6 +4,7 @@
 //! it is clipped to the frustum and tested again. What is seen through a hole stays visible, however it is clipped. The part of a box in
 //! a band is all that a band's state answers for; the whole screen is the band of all rows.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -12,6 +13,7 @@ use homcull_simd::{Kernel, Simd};
 use super::boxes::{BoxSet, CUT, NEAR, ProjectedBox, ProjectedBoxes};
 use super::buffer::OcclusionBuffer;
 use super::clip_box::{ClippedBox, clip_box};
+use super::depth::Depth;
 use super::layers::Layers;
 use super::map::MapView;
 use super::overlap::{Overlap, OverlapTest};
@@ -25,26 +27,18 @@ use crate::raster::Band;
 
 /// What a caller wants to know of a box.
 pub(crate) trait Answer {
-    /// Whether the reason for being visible is asked for: it costs a second look.
+    /// Whether the reason for being visible is asked for: it costs a second look. Without it, what is not hidden is said to be in front.
     const REASON: bool;
 
-    fn hidden(why: Hidden) -> Self;
-
-    /// Without `REASON`, what is not known to be uncovered is said to be in front.
-    fn visible(why: Visible) -> Self;
+    fn of(verdict: Verdict) -> Self;
 }
 
 impl Answer for Verdict {
     const REASON: bool = true;
 
     #[inline(always)]
-    fn hidden(why: Hidden) -> Verdict {
-        Verdict::Hidden(why)
-    }
-
-    #[inline(always)]
-    fn visible(why: Visible) -> Verdict {
-        Verdict::Visible(why)
+    fn of(verdict: Verdict) -> Verdict {
+        verdict
     }
 }
 
@@ -53,13 +47,8 @@ impl Answer for bool {
     const REASON: bool = false;
 
     #[inline(always)]
-    fn hidden(_why: Hidden) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn visible(_why: Visible) -> bool {
-        false
+    fn of(verdict: Verdict) -> bool {
+        verdict.is_hidden()
     }
 }
 
@@ -104,8 +93,9 @@ pub(crate) struct Apart<'a> {
     pub map: MapView<'a>,
     /// Through the pyramid, which is in step with the map; `None`: by samples.
     pub overlap: Option<OverlapTest<'a>>,
-    /// `None`: the overlap test alone.
-    pub depth: Option<DepthReading>,
+    pub depth: &'a Depth,
+    /// How depth in the map is read.
+    pub reading: DepthReading,
     /// Where layers are fused.
     pub layers: Option<&'a Layers>,
 }
@@ -125,12 +115,12 @@ impl Apart<'_> {
     #[inline(always)]
     pub fn is_behind<S: Simd>(&self, s: S, r: SampleRect, z: f32) -> bool {
         match (self.depth, self.layers) {
-            (None, _) => true,
-            (Some(reading), None) => self.map.covered_is_nearer(s, r, z, reading),
-            (Some(reading), Some(layers)) => {
+            (Depth::InMap, None) => self.map.covered_is_nearer(s, r, z, self.reading),
+            (Depth::InMap, Some(layers)) => {
                 let coverage = Coverage { map: self.map, fused: layers.fused() };
-                layers.covered_is_nearer(s, coverage, r, z, reading)
+                layers.covered_is_nearer(s, coverage, r, z, self.reading)
             }
+            (far, _) => far.boundary_is_nearer(r, z),
         }
     }
 }
@@ -166,36 +156,68 @@ pub(crate) fn test_box<S: Simd, R: Representation, A: Answer>(
     bounds: &[Aabb],
     no_sample_is_hidden: bool,
 ) -> A {
-    // At first as it was projected; then, if that may be too near, clipped to the frustum. One place asks the state, whichever it is.
-    let (mut r, mut z) = (b.rect(), b.depth);
-    let mut clip = b.tag & NEAR != 0;
-    loop {
-        if clip {
-            match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
-                None | Some(ClippedBox::Near) => return A::visible(Visible::NearPlane),
-                Some(ClippedBox::Outside) => return A::hidden(Hidden::OutsideFrustum),
-                Some(ClippedBox::Inside(rect, depth)) => (r, z) = (rect, depth),
+    if b.tag & (NEAR | CUT) == 0 {
+        A::of(test_rect::<S, R, A>(s, state, b.rect(), b.depth, no_sample_is_hidden))
+    } else {
+        s.vectorize(TestCut { state, view, b, bounds, no_sample_is_hidden, answer: PhantomData })
+    }
+}
+
+#[inline(always)]
+fn test_rect<S: Simd, R: Representation, A: Answer>(
+    s: S,
+    state: &R,
+    r: SampleRect,
+    z: f32,
+    no_sample_is_hidden: bool,
+) -> Verdict {
+    if r.is_empty() {
+        return if no_sample_is_hidden {
+            Verdict::Hidden(Hidden::NoSample)
+        } else {
+            Verdict::Visible(Visible::Uncovered)
+        };
+    }
+    let band = state.band();
+    let r = SampleRect { y0: r.y0.max(band.first_row()), y1: r.y1.min(band.last_row()), ..r };
+    if r.is_empty() {
+        Verdict::Hidden(Hidden::NoSample)
+    } else if state.hides(s, r, z) {
+        Verdict::Hidden(Hidden::OverlapAndDepth)
+    } else if A::REASON && state.is_open(s, r) {
+        Verdict::Visible(Visible::Uncovered)
+    } else {
+        Verdict::Visible(Visible::InFront)
+    }
+}
+
+/// The test of a box that touches the near plane or leaves the viewport, as a function of its own: such boxes are few.
+struct TestCut<'a, R, A> {
+    state: &'a R,
+    view: &'a BoxView,
+    b: &'a ProjectedBox,
+    bounds: &'a [Aabb],
+    no_sample_is_hidden: bool,
+    answer: PhantomData<A>,
+}
+
+impl<R: Representation, A: Answer> Kernel for TestCut<'_, R, A> {
+    type Output = A;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> A {
+        let TestCut { state, view, b, bounds, no_sample_is_hidden, .. } = self;
+        if b.tag & NEAR == 0 {
+            let verdict = test_rect::<S, R, Verdict>(s, state, b.rect(), b.depth, no_sample_is_hidden);
+            if verdict != Verdict::Visible(Visible::InFront) {
+                return A::of(verdict);
             }
         }
-        if r.is_empty() {
-            return if no_sample_is_hidden { A::hidden(Hidden::NoSample) } else { A::visible(Visible::Uncovered) };
-        }
-        let band = state.band();
-        let r = SampleRect { y0: r.y0.max(band.first_row()), y1: r.y1.min(band.last_row()), ..r };
-        if r.is_empty() {
-            return A::hidden(Hidden::NoSample);
-        }
-        if state.hides(s, r, z) {
-            return A::hidden(Hidden::OverlapAndDepth);
-        }
-        let may_clip = !clip && b.tag & CUT != 0;
-        if (A::REASON || may_clip) && state.is_open(s, r) {
-            return A::visible(Visible::Uncovered);
-        }
-        if !may_clip {
-            return A::visible(Visible::InFront);
-        }
-        clip = true;
+        A::of(match bounds.get(b.id() as usize).map(|&bounds| clip_box(view, bounds)) {
+            None | Some(ClippedBox::Near) => Verdict::Visible(Visible::NearPlane),
+            Some(ClippedBox::Outside) => Verdict::Hidden(Hidden::OutsideFrustum),
+            Some(ClippedBox::Inside(r, z)) => test_rect::<S, R, A>(s, state, r, z, no_sample_is_hidden),
+        })
     }
 }
 
@@ -321,8 +343,7 @@ impl OcclusionBuffer {
     /// The whole screen's state, where both tests are one; `None` where they are not.
     #[inline(always)]
     fn at_once(&self) -> Option<AtOnce<'_>> {
-        let one = self.settings.keep_depth && !self.walks_pyramid();
-        one.then_some(AtOnce { map: self.map.view(), reading: self.settings.depth })
+        if self.tests_at_once() { Some(AtOnce { map: self.map.view(), reading: self.reading() }) } else { None }
     }
 
     /// The whole screen's state, for the two tests one after the other.
@@ -331,7 +352,8 @@ impl OcclusionBuffer {
         Apart {
             map: self.map.view(),
             overlap: self.overlap_test(),
-            depth: if self.settings.keep_depth { Some(self.settings.depth) } else { None },
+            depth: &self.depth,
+            reading: self.reading(),
             layers: self.layers.as_deref().filter(|layers| layers.fuses()),
         }
     }

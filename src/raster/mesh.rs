@@ -7,6 +7,7 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+use crate::geometry::Aabb;
 
 /// Vertices of a cluster, at most.
 pub const MAX_CLUSTER_VERTICES: usize = 32;
@@ -61,6 +62,8 @@ pub(crate) struct MeshRange {
 #[derive(Debug, Clone, Default)]
 pub struct PreparedMeshes {
     pub(crate) meshes: Vec<MeshRange>,
+    /// Boxes around the vertices of their triangles.
+    bounds: Vec<Aabb>,
     pub(crate) clusters: Vec<Cluster>,
     pub(crate) groups: Vec<VertexGroup>,
     pub(crate) batches: Vec<TriangleBatch>,
@@ -119,6 +122,7 @@ impl PreparedMeshes {
     /// Forgets all meshes, but keeps the memory.
     pub fn clear(&mut self) {
         self.meshes.clear();
+        self.bounds.clear();
         self.clusters.clear();
         self.groups.clear();
         self.batches.clear();
@@ -128,6 +132,7 @@ impl PreparedMeshes {
     fn finish_mesh(&mut self, first_cluster: u32, triangles: usize) -> MeshId {
         let range = MeshRange { first_cluster, end_cluster: self.clusters.len() as u32, triangles: triangles as u32 };
         self.meshes.push(range);
+        self.bounds.push(self.bounds_from(first_cluster));
         MeshId(self.meshes.len() as u32 - 1)
     }
 
@@ -153,6 +158,24 @@ impl PreparedMeshes {
     /// Whether this mesh has been added.
     pub fn contains(&self, mesh: MeshId) -> bool {
         (mesh.0 as usize) < self.meshes.len()
+    }
+
+    /// The box around all clusters from one on. Places past the end of a group repeat a vertex.
+    fn bounds_from(&self, first_cluster: u32) -> Aabb {
+        let Some(cluster) = self.clusters.get(first_cluster as usize) else { return Aabb::EMPTY };
+        let mut bounds = Aabb::EMPTY;
+        for group in &self.groups[cluster.first_group as usize..] {
+            for (axis, side) in [&group.x, &group.y, &group.z].into_iter().enumerate() {
+                bounds.min[axis] = side.iter().fold(bounds.min[axis], |a, &b| a.min(b));
+                bounds.max[axis] = side.iter().fold(bounds.max[axis], |a, &b| a.max(b));
+            }
+        }
+        bounds
+    }
+
+    /// The box around a mesh's triangles, in its own space; [`Aabb::EMPTY`] when it has none.
+    pub fn bounds(&self, mesh: MeshId) -> Aabb {
+        self.bounds[mesh.0 as usize]
     }
 
     /// Triangles of a mesh.

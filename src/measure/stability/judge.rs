@@ -12,7 +12,8 @@ use crate::cull::{HomParameters, Update};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::occlusion::{
-    DepthReading, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob, ProjectedBoxes, Verdict,
+    DepthReading, DepthRepresentation, Occluders, OcclusionBuffer, OcclusionSettings, ProgressiveJob, ProjectedBoxes,
+    Verdict,
 };
 use crate::scene::{PreparedScene, Scene};
 use crate::view::View;
@@ -166,7 +167,8 @@ impl<'a> Bench<'a> {
         let readings = [("query by block", DepthReading::PerBlock), ("query", DepthReading::PerSample)];
         self.buffer.submit(&self.scene.meshes, &self.scene.occluders)?;
         for (way, reading) in readings {
-            let settings = OcclusionSettings { depth: reading, ..self.buffer.settings().clone() };
+            let depth = DepthRepresentation::NoBackground(reading);
+            let settings = OcclusionSettings { depth, ..self.buffer.settings().clone() };
             self.buffer.set_settings(settings)?;
             let mut flags = Vec::new();
             self.buffer.test_projected(&self.boxes, 0..self.boxes.len(), bounds, origin, &mut flags)?;
