@@ -3,6 +3,7 @@
 //! Integer hashes draw the numbers, `libm` does the trigonometry, and the number of triangles is met by whole objects.
 
 mod city;
+mod machine_room;
 mod piping;
 mod plant;
 mod solid;
@@ -41,7 +42,7 @@ pub struct Generator {
 /// Most triangles that a generator makes: some 4 GB of scene.
 const MOST_TRIANGLES: u64 = 100_000_000;
 
-static GENERATORS: [Generator; 3] = [
+static GENERATORS: [Generator; 4] = [
     Generator {
         name: "city",
         about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
@@ -55,6 +56,13 @@ static GENERATORS: [Generator; 3] = [
         seed: 1,
         triangles: 12_748_510,
         build: plant::build,
+    },
+    Generator {
+        name: "machine-room",
+        about: "engines, pipes, valves and gratings in a submarine's hull; a walk between the engines, along a catwalk, and back over all",
+        seed: 1,
+        triangles: 632_252,
+        build: machine_room::build,
     },
     Generator {
         name: "terrain",
