@@ -227,7 +227,7 @@ fn drawn(world: &World<'_>, view: &View, workers: &Workers, parameters: &HomPara
     let frame = HomFrame::new(view, level, parameters).unwrap();
     let frame = hom::select_occluders(world, level, view, parameters, frame).unwrap();
     let frame = hom::draw_occluders(world, workers, frame).unwrap();
-    hom::cull(world, &workers, parameters, hom::build_pyramid(frame)).unwrap().0.objects
+    hom::cull(world, workers, parameters, hom::build_pyramid(frame)).unwrap().0.objects
 }
 
 #[test]
