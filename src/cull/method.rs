@@ -81,7 +81,7 @@ pub struct HomParameters {
     pub rest: u32,
     /// Whether OccSel, Cull and Draw of consecutive frames overlap, on threads of their own (8.1).
     pub pipeline: bool,
-    /// Frames until what a frame found is heard: 1 to [`MAX_LAG`]; see [`HomParameters::lag`].
+    /// Frames until what a frame found is heard: 1 and more; see [`HomParameters::lag`].
     pub lag: Option<u32>,
 }
 

@@ -47,7 +47,7 @@ pub struct Occluders<'a> {
     pub meshes: &'a PreparedMeshes,
     /// By id.
     pub occluders: &'a [Occluder],
-    /// Their boxes about `origin`, by id, as they were given to [`BoxSet::new`].
+    /// Their boxes about `origin`, by id, as they were given to [`BoxSet::new`](super::BoxSet::new).
     pub bounds: &'a [Aabb],
     /// The origin of the boxes.
     pub origin: DVec3,
