@@ -24,6 +24,7 @@
 mod cases;
 mod depth;
 mod judge;
+mod questions;
 mod shapes;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
