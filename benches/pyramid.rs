@@ -5,7 +5,7 @@ mod scenes;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use homcull::occlusion::{OcclusionBuffer, Pyramid};
+use homcull::occlusion::{OcclusionBuffer, OcclusionSettings, Pyramid, PyramidShape};
 use scenes::{Case, Stage, on_one_thread};
 
 fn main() {
@@ -36,6 +36,20 @@ fn top(buffer: &mut OcclusionBuffer) -> u32 {
 fn build(bencher: Bencher<'_, '_>, case: &Case) {
     let (mut stage, pixels) = full(case);
     bencher.counter(ItemsCount::new(pixels)).bench_local(|| {
+        stage.buffer.mark_all_changed();
+        top(&mut stage.buffer)
+    });
+}
+
+/// A whole build where level-0 pixels are blocks of 20x16 samples, as the machine room's finest active map has them at
+/// 1280x1024 (thesis 8.4.2): cut out of the words.
+#[divan::bench(args = on_one_thread())]
+fn build_of_other_blocks(bencher: Bencher<'_, '_>, case: &Case) {
+    let (mut stage, _) = full(case);
+    let shape = PyramidShape { block: [20, 16], minimal: [1, 1] };
+    let settings = OcclusionSettings { pyramid: shape, ..OcclusionSettings::default() };
+    stage.buffer.set_settings(settings).expect("a block that can be");
+    bencher.bench_local(|| {
         stage.buffer.mark_all_changed();
         top(&mut stage.buffer)
     });

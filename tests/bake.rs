@@ -409,11 +409,19 @@ fn far_from_every_view_point_the_distance_decides() {
     };
     let baked = format!("hom:select=baked,bake={},occluder-triangles=600", file.display());
     let near = options.grid.point(point);
-    let (snapped, objects) = chosen(&baked, near + options.grid.cell_size() * 0.1);
+    let near_by = near + options.grid.cell_size() * 0.1;
+    let (snapped, objects) = chosen(&format!("{baked},fill=off"), near_by);
     assert_eq!(snapped, Some(point));
     // What it sees first, in that order: those in the frustum.
     let mut list = bake.objects(point).iter();
     assert!(!objects.is_empty() && objects.iter().all(|o| list.any(|l| l == o)), "{objects:?}");
+    // When all of them are taken, the nearest others follow.
+    let (_, listed) = chosen(&format!("{baked},fill=off,occluder-triangles=3000"), near_by);
+    let (_, filled) = chosen(&format!("{baked},occluder-triangles=3000"), near_by);
+    assert!(filled.starts_with(&listed) && filled.len() > listed.len(), "{listed:?} {filled:?}");
+    let (_, nearest) = chosen("hom:occluder-triangles=100000", near_by);
+    let mut others = nearest.iter().filter(|o| !listed.contains(o));
+    assert!(filled[listed.len()..].iter().all(|o| others.next() == Some(o)), "{filled:?} {nearest:?}");
     let far = near + DVec3::Y * 1000.0 + DVec3::X;
     assert_eq!(chosen(&baked, far), chosen("hom:occluder-triangles=600", far));
     assert_eq!(chosen(&format!("{baked},snap=0"), near + DVec3::X).0, None);

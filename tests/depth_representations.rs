@@ -11,13 +11,13 @@ use homcull::occlusion::{
 };
 use homcull::raster::Facing;
 use homcull::scene::{PreparedScene, Scene};
-use homcull::view::{Camera, ClipSpace, DepthRange, View};
+use homcull::view::{Camera, View};
 use homcull_simd::Level;
 use oracle::float::clip;
 use oracle::random::Random;
-use oracle::scenes::{Builder, KINDS, camera, city, flat_triangle, flat_view, orthographic, perspective, viewport};
+use oracle::scenes::{Builder, KINDS, city, flat_triangle, flat_view, viewport};
 use oracle::state::{State, begun, draw_in, for_levels, same};
-use oracle::verdicts::{conservative, samples, verdicts, world};
+use oracle::verdicts::{any_view, behind_walls, conservative, samples, verdicts, world};
 
 const NBZ: DepthRepresentation = DepthRepresentation::NoBackground(DepthReading::PerSample);
 
@@ -48,33 +48,6 @@ fn nearest(view: &View, scene: &PreparedScene, count: usize) -> Vec<Occluder> {
     near.retain(|&(distance, _)| distance > 0.0);
     near.sort_by(|a, b| a.0.total_cmp(&b.0));
     near.iter().take(count).map(|&(_, id)| scene.occluders[id]).collect()
-}
-
-/// A view, thin walls before it, the occluders, and boxes among and behind them: the number of walls comes first.
-fn behind_walls(r: &mut Random, round: usize) -> (usize, View, PreparedScene) {
-    let eye = DVec3::new(r.range(-50.0, 50.0), r.range(-5.0, 5.0), r.range(-50.0, 50.0));
-    let view = any_view(r, round, eye, [(120, 80), (64, 64), (77, 50)][round % 3]);
-    // Of a view from the eye: across, up, ahead.
-    let axis = |row: usize| view.rows()[row].truncate();
-    let ahead = (if axis(2).length() > 0.0 { axis(2) } else { -axis(3) }).normalize();
-    let across = (axis(0) - ahead * axis(0).dot(ahead)).normalize();
-    let frame = glam::DMat3::from_cols(across, ahead.cross(across), ahead);
-    let mut b = Builder::new();
-    let walls = 3 + r.below(8);
-    for n in 0..walls + 80 {
-        let is_wall = n < walls;
-        let z = if is_wall { r.range(3.0, 12.0) } else { r.range(3.0, 60.0) };
-        let [x, y] = [0, 1].map(|_| r.range(-0.9, 0.9) * z.min(30.0));
-        let size = if is_wall {
-            Vec3::new(r.float(2.0, 12.0), r.float(2.0, 12.0), r.float(0.0, 0.2))
-        } else {
-            Vec3::new(r.float(0.05, 2.0), r.float(0.05, 2.0), r.float(0.05, 2.0))
-        };
-        let object = b.cuboid(-size * 0.5, size * 0.5, Facing::Both);
-        object.rotation = (frame * glam::DMat3::from_rotation_y(r.range(-0.3, 0.3))).as_mat3();
-        object.position = eye + frame * DVec3::new(x, y, z);
-    }
-    (walls, view, b.prepared())
 }
 
 #[test]
@@ -112,16 +85,6 @@ fn what_a_far_boundary_hides_in_a_city_shows_no_sample() {
             let all = for_levels(&what, |level| verdicts(&holding(level, &view, &scene, &some, depth), &scene));
             conservative(&what, &view, &scene, &all);
         }
-    }
-}
-
-/// Any view: perspective or orthographic, by camera or by matrix.
-fn any_view(r: &mut Random, round: usize, eye: DVec3, (w, h): (u32, u32)) -> View {
-    let reversed = ClipSpace { depth: DepthRange::Reversed, y_down: false };
-    match round % 3 {
-        0 => camera(r, eye).view(viewport(w, h)).unwrap(),
-        1 => View::new(perspective(r, eye), reversed, viewport(w, h)).unwrap(),
-        _ => View::new(orthographic(r, eye), reversed, viewport(w, h)).unwrap(),
     }
 }
 
@@ -448,12 +411,13 @@ fn another_representation_holds_from_the_next_view_on() {
     let before = verdicts(&buffer, &scene);
     let state = buffer.state_hash();
     for depth in [deb(64, 64), DepthRepresentation::Plane] {
-        buffer.set_settings(OcclusionSettings { depth, ..buffer.settings().clone() }).unwrap();
-        buffer.set_settings(OcclusionSettings { keep_depth: false, ..buffer.settings().clone() }).unwrap();
+        let settings = OcclusionSettings { depth, keep_depth: false, ..OcclusionSettings::default() };
+        buffer.set_settings(settings).unwrap();
         same("in the same view", &verdicts(&buffer, &scene), &before);
         assert_eq!(buffer.state_hash(), state);
     }
-    buffer.set_settings(OcclusionSettings { keep_depth: true, ..buffer.settings().clone() }).unwrap();
+    let depth = DepthRepresentation::Plane;
+    buffer.set_settings(OcclusionSettings { depth, ..OcclusionSettings::default() }).unwrap();
     buffer.begin(&view).unwrap();
     buffer.submit(&scene.meshes, &scene.occluders).unwrap();
     let plane = holding(Level::best(), &view, &scene, &scene.occluders, DepthRepresentation::Plane);

@@ -52,6 +52,7 @@ fn the_same_seed_gives_the_same_room_and_another_a_different_one() {
     assert_eq!(room("machine-room"), room("machine-room:seed=1,triangles=632252"));
     let (one, other) = (room("machine-room:seed=5"), room("machine-room:seed=6"));
     assert_ne!(one.scene, other.scene);
+    assert_eq!(one.path, other.path, "the walk keeps to aisles that every room has");
 }
 
 #[test]

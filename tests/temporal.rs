@@ -252,13 +252,14 @@ fn wholly_inside(view: &View, (min, max): (Vec3, Vec3)) -> bool {
     })
 }
 
-/// The claim is one about areas; samples can miss what shows through a slit. So *occluded* is what shows no sample of a grid four times
-/// as fine; exceptions are then of one or two samples, and counted, as is what shows between the plain samples only.
+/// The claim is one about areas; samples can miss what shows through a slit. Where *occluded* is what shows no sample of a grid
+/// four times as fine, exceptions are of at most two samples, and counted. Where it is what shows no plain sample, they are of up to
+/// four: the claim does not hold of samples within two, as it is stated. Both are held to what was found.
 #[test]
 fn what_is_occluded_stays_so_while_the_viewer_turns_in_place() {
     let mut r = Random::new(7);
     let (mut pairs, mut by_library, mut exceptions) = (0, 0, Vec::new());
-    let (mut between, mut between_next) = (0, 0);
+    let (mut between, mut plain_exceptions) = (0, Vec::new());
     for round in 0..8 {
         // Boxes all around, none nearer than the near plane reaches, at whatever angle the viewer stands.
         let boxes: Vec<(Vec3, Vec3)> = (0..150)
@@ -303,7 +304,7 @@ fn what_is_occluded_stays_so_while_the_viewer_turns_in_place() {
                     exceptions.extend((next > 0).then_some((round, n, id, next)));
                 } else if now == 0 {
                     between += 1;
-                    between_next = between_next.max(next);
+                    plain_exceptions.extend((next > 0).then_some((round, n, id, next)));
                 }
             }
         }
@@ -313,8 +314,12 @@ fn what_is_occluded_stays_so_while_the_viewer_turns_in_place() {
         "{} of them show samples in the next frame: (round, frame, object, samples) {exceptions:?}",
         exceptions.len()
     );
-    println!("{between} others show between samples only, and up to {between_next} samples in the next frame");
+    println!(
+        "{between} others show between samples only; those that show samples in the next frame: {plain_exceptions:?}"
+    );
     assert!(pairs > 250 && by_library > 200, "{pairs}, {by_library}: the scenes prove nothing");
     assert!(exceptions.iter().all(|e| e.3 <= 2), "more than 2 samples of what was occluded: {exceptions:?}");
+    assert!(plain_exceptions.iter().all(|e| e.3 <= 4), "slits have grown: {plain_exceptions:?}");
+    assert!(plain_exceptions.len() <= 7, "{} of {between}: {plain_exceptions:?}", plain_exceptions.len());
     assert!(exceptions.len() * 50 <= pairs, "{} of {pairs} are too many to lie between samples", exceptions.len());
 }

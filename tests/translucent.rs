@@ -8,7 +8,8 @@ use homcull::cull::vfc::World;
 use homcull::cull::{HomParameters, Method};
 use homcull::geometry::Aabb;
 use homcull::occlusion::{
-    BandJob, DepthReading, Occluder, OcclusionBuffer, OcclusionSettings, Verdict, Visible, optical_depth,
+    BandJob, DepthReading, DepthRepresentation, Occluder, OcclusionBuffer, OcclusionSettings, Partitions, Verdict,
+    Visible, optical_depth,
 };
 use homcull::raster::Facing;
 use homcull::scene::PreparedScene;
@@ -16,7 +17,7 @@ use homcull::view::{Camera, View};
 use homcull::workers::Workers;
 use homcull_simd::Level;
 use oracle::random::Random;
-use oracle::scenes::{Builder, flat_view, viewport};
+use oracle::scenes::{Builder, camera, flat_view, viewport};
 use oracle::state::{begun, for_levels};
 
 /// A rectangle of samples at one depth.
@@ -62,12 +63,9 @@ fn sample(panes: &[Pane], fusion: Option<f64>, x: u32, y: u32) -> (bool, f32) {
     (opaque > 0.0 || fuses, opaque.max(fused))
 }
 
-fn settings(fusion: Option<f64>, depth: DepthReading) -> OcclusionSettings {
-    OcclusionSettings {
-        fusion,
-        depth: homcull::occlusion::DepthRepresentation::NoBackground(depth),
-        ..OcclusionSettings::default()
-    }
+fn settings(fusion: Option<f64>, reading: DepthReading) -> OcclusionSettings {
+    let depth = DepthRepresentation::NoBackground(reading);
+    OcclusionSettings { fusion, depth, ..OcclusionSettings::default() }
 }
 
 #[test]
@@ -166,9 +164,39 @@ fn is_hidden(buffer: &OcclusionBuffer, [x0, y0, x1, y1]: [u32; 4], z: f32) -> bo
     buffer.test(Aabb { min, max }, DVec3::ZERO).unwrap().is_hidden()
 }
 
+#[test]
+fn a_surface_counts_once_however_it_is_clipped_and_cut_into_blocks() {
+    // Half lets half through: two layers reach 0.6, one never does.
+    let mut r = Random::new(3);
+    let (mut covered, mut clipped) = (0, 0);
+    for round in 0..60 {
+        let view = camera(&mut r, DVec3::ZERO).view(viewport(97, 66)).unwrap();
+        let size = [2.0, 20.0, 200.0][round % 3];
+        let mut b = Builder::new();
+        let mut corner = || Vec3::new(r.float(-size, size), r.float(-size, size), r.float(-size, size));
+        b.triangles(&[[corner(), corner(), corner()]], Facing::Both).opacity = 0.5;
+        let world = b.prepared();
+        for_levels("one triangle", |level| {
+            let count = |occluders: &[Occluder], fusion| {
+                let mut buffer = begun(level, &view, settings(Some(fusion), DepthReading::PerSample));
+                buffer.submit(&world.meshes, occluders).unwrap();
+                let all = (0..66).flat_map(|y| (0..97).map(move |x| (x, y)));
+                (all.filter(|&(x, y)| buffer.covered(x, y).unwrap()).count(), buffer.counts().clipped)
+            };
+            let opaque = Occluder { opaque: true, ..world.occluders[0] };
+            let (once, twice) = (count(&world.occluders, 0.5), count(&world.occluders, 0.6));
+            assert_eq!((once.0, twice.0), (count(&[opaque], 0.5).0, 0), "round {round}");
+            vec![once]
+        })
+        .iter()
+        .for_each(|&(samples, cut)| (covered, clipped) = (covered + samples, clipped + cut));
+    }
+    assert!(covered > 5000 && clipped > 5, "{covered} samples, {clipped} clipped");
+}
+
 /// Two panes, one behind the other; a box in front of them, one between, and one behind, none before another.
 fn panes(opacity: f32) -> (View, PreparedScene) {
-    let camera = Camera { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, fov_y_deg: 60.0, near: 0.1, far: None };
+    let lens = Camera { eye: DVec3::ZERO, target: DVec3::NEG_Z, up: DVec3::Y, fov_y_deg: 60.0, near: 0.1, far: None };
     let mut b = Builder::new();
     let mut slab = |x: f32, half: f32, z: f32, opacity: f32| {
         let (min, max) = (Vec3::new(x - half, -half, z - 0.2), Vec3::new(x + half, half, z));
@@ -179,7 +207,7 @@ fn panes(opacity: f32) -> (View, PreparedScene) {
     slab(0.0, 0.8, -7.0, 1.0);
     slab(0.0, 20.0, -9.0, opacity);
     slab(4.0, 1.0, -12.0, 1.0);
-    (camera.view(viewport(96, 80)).unwrap(), b.prepared())
+    (lens.view(viewport(96, 80)).unwrap(), b.prepared())
 }
 
 const IN_FRONT: usize = 0;
@@ -189,19 +217,24 @@ const BEHIND: usize = 4;
 #[test]
 fn an_object_between_two_panes_is_visible() {
     let (view, world) = panes(0.9);
-    let verdicts = |fusion| {
+    let nbz = DepthRepresentation::default();
+    let verdicts = |fusion, depth| {
         for_levels("panes", |level| {
-            let mut buffer = begun(level, &view, settings(fusion, DepthReading::PerSample));
+            let settings = OcclusionSettings { fusion, depth, ..OcclusionSettings::default() };
+            let mut buffer = begun(level, &view, settings);
             let glass: Vec<Occluder> = world.occluders.iter().filter(|o| !o.opaque).copied().collect();
             buffer.submit(&world.meshes, &glass).unwrap();
             world.bounds.iter().map(|&b| buffer.test(b, world.origin).unwrap()).collect::<Vec<_>>()
         })
     };
-    assert!(verdicts(None).iter().all(|v| !v.is_hidden()), "glass that is not fused hides nothing");
-    let fused = verdicts(Some(0.98));
-    assert_eq!(fused[BETWEEN], Verdict::Visible(Visible::InFront));
-    assert!(!fused[IN_FRONT].is_hidden() && fused[BEHIND].is_hidden(), "{fused:?}");
-    assert!(verdicts(Some(0.995)).iter().all(|v| !v.is_hidden()), "two panes let a hundredth through");
+    assert!(verdicts(None, nbz).iter().all(|v| !v.is_hidden()), "glass that is not fused hides nothing");
+    // A far boundary lies behind the farther pane too.
+    for depth in [nbz, DepthRepresentation::Estimation(Partitions::default()), DepthRepresentation::Plane] {
+        let fused = verdicts(Some(0.98), depth);
+        assert_eq!(fused[BETWEEN], Verdict::Visible(Visible::InFront), "{depth:?}");
+        assert!(!fused[IN_FRONT].is_hidden() && fused[BEHIND].is_hidden(), "{depth:?}: {fused:?}");
+    }
+    assert!(verdicts(Some(0.995), nbz).iter().all(|v| !v.is_hidden()), "two panes let a hundredth through");
 }
 
 #[test]

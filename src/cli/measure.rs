@@ -123,6 +123,9 @@ fn pyramid(bench: &mut KernelBench<'_>, step: impl FnMut(usize)) -> Result<Value
         "ms_per_build": report.times.median(),
         "normalized": {"clock_ghz": NORMAL_GHZ, "ms_per_build": median(&report.times.normalized_ms)},
         "bytes": report.bytes,
+        "updates": report.updates,
+        "changed_tiles_per_update": report.changed_tiles as f64 / report.updates.max(1) as f64,
+        "ms_per_update": report.update_ms / report.updates.max(1) as f64,
         "clock_ghz": clock(&report.times),
     }))
 }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use homcull_simd::Level;
 
 use super::method::{HomParameters, Selection, Update};
-use super::test_batch::{occludes, test_batch};
+use super::test_batch::test_batch;
 use super::vfc::World;
 use super::{Feedback, FeedbackLine, OccluderSources, VisibleSet, progressive};
 use crate::error::{Error, Result};
@@ -458,7 +458,7 @@ fn multi_pass(
             continue;
         }
         set.objects.push(id);
-        if occludes(buffer, scene, id) {
+        if buffer.occludes(&scene.occluders[id as usize]) {
             occluders.push(scene.occluders[id as usize]);
             gathered += triangles;
             if gathered > update_triangles {

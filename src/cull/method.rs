@@ -69,6 +69,8 @@ pub struct HomParameters {
     pub bake: Option<PathBuf>,
     /// How far from the eye its view point may be, in diagonals of a cell.
     pub snap: f32,
+    /// Whether, when the list of a view point ends within the limit, the nearest others follow.
+    pub fill: bool,
     /// Triangles of the chosen occluders, at most.
     pub occluder_triangles: u64,
     /// Samples of the occlusion buffer; the display's when `None`. Others are not conservative.
@@ -113,6 +115,7 @@ impl HomParameters {
             database: Database::All,
             bake: None,
             snap: DEFAULT_SNAP,
+            fill: true,
             occluder_triangles: DEFAULT_TRIANGLES,
             resolution: None,
             overlap: OverlapParameters::default(),
@@ -191,9 +194,9 @@ pub fn methods() -> &'static [MethodDescription] {
             source: "Zhang 1998, chapters 3 to 7: one pass (2.1.4)",
             guarantee: "conservative with threshold=1 at the display's resolution",
             parameters: concat!(
-                "select=distance|nearest|zplane|temporal|baked, bake=FILE, snap=1, occluder-triangles=25000, z=50, \
+                "select=distance|nearest|zplane|temporal|baked, bake=FILE, snap=1, fill=on|off, occluder-triangles=25000, z=50, \
                  database=all|static, with static: static-size=0.001, static-locality=off, static-aspect=off, \
-                 static-complexity=6250, static-redundancy=0.9; update=once|batches|always, and: ",
+                 static-complexity=6250, static-redundancy=0.95; update=once|batches|always, and: ",
                 hom_parameters!()
             ),
             when: "near objects hide most of the rest; occluders can be drawn on other threads",
@@ -251,9 +254,6 @@ impl Method {
             }
             p.check()?;
             p.overlap.check(parameters)?;
-            if let (Some(fusion), false) = (p.overlap.fusion, matches!(p.depth, DepthRepresentation::NoBackground(_))) {
-                return Err(Error::parameter("fusion", fusion, "needs depth=nbz or depth=nbz-block"));
-            }
         }
         Ok(method)
     }
@@ -326,6 +326,9 @@ impl HomParameters {
             ("select", _) => return Err(bad("distance, nearest, zplane, temporal or baked")),
             ("bake", "") => return Err(bad("a file that `homcull bake` wrote")),
             ("bake", _) => self.bake = Some(value.into()),
+            ("fill", "on") => self.fill = true,
+            ("fill", "off") => self.fill = false,
+            ("fill", _) => return Err(bad("on or off")),
             ("snap", _) => {
                 let snap = value.parse::<f32>().ok().filter(|s| s.is_finite() && *s >= 0.0);
                 self.snap = snap.ok_or_else(|| bad("diagonals of a cell, 0 or more"))?;
@@ -397,6 +400,7 @@ impl HomParameters {
                 if let (Selection::Baked, Some(bake)) = (self.select, &self.bake) {
                     out.push(("bake", bake.display().to_string()));
                     out.push(("snap", self.snap.to_string()));
+                    out.push(("fill", if self.fill { "on" } else { "off" }.into()));
                 }
                 match self.database {
                     Database::All => out.push(("database", "all".into())),

@@ -69,8 +69,8 @@ impl OccluderSources {
             && *fused == parameters.overlap.fusion.is_some()
     }
 
-    /// Chooses the occluders of a view: ids in the database. `before` is what was in the frustum and occluded, for temporal
-    /// coherence. With a bake, gives the view point that the eye snapped onto.
+    /// Chooses the occluders of a view, appended to `chosen`: ids in the database. `before` is what was in the frustum and occluded,
+    /// for temporal coherence. With a bake, gives the view point that the eye snapped onto.
     pub(super) fn choose(
         &self,
         level: Level,
@@ -88,10 +88,13 @@ impl OccluderSources {
                 let baked = self.baked.as_ref();
                 let at = baked.and_then(|baked| Some((baked, baked.snap(view.eye(), parameters.snap)?)));
                 if let Some((baked, point)) = at {
-                    self.database.choose_in_order(level, view, baked.objects(point), limit, chosen);
+                    let ended = self.database.choose_in_order(level, view, baked.objects(point), limit, chosen);
+                    if ended && parameters.fill {
+                        self.database.choose(level, view, NEAREST, limit, &|_| true, memory, chosen);
+                    }
                     return Some(point);
                 }
-                (Order::Distance(Measure::Center), limit)
+                (NEAREST, limit)
             }
             Selection::ZPlane(distance) => (Order::ZPlane { forward: forward(view), distance }, u64::MAX),
         };
@@ -101,6 +104,9 @@ impl OccluderSources {
         None
     }
 }
+
+/// What a bake is filled up with, and replaced by where there is none near: the thesis's standard order.
+const NEAREST: Order = Order::Distance(Measure::Center);
 
 /// The bake that the parameters read, if they do.
 fn bake_of(parameters: &HomParameters) -> Option<&PathBuf> {

@@ -6,12 +6,6 @@ use crate::error::Result;
 use crate::occlusion::{OcclusionBuffer, OverlapStatistics, ProjectedBoxes};
 use crate::scene::PreparedScene;
 
-/// Whether an object covers anything: by itself, or fused with others.
-pub(super) fn occludes(buffer: &OcclusionBuffer, scene: &PreparedScene, object: u32) -> bool {
-    let occluder = &scene.occluders[object as usize];
-    occluder.opaque || occluder.optical_depth > 0 && buffer.settings().fusion.is_some()
-}
-
 /// Tests boxes of a scene's objects and says which are hidden; counts those that walked the pyramid.
 pub(super) fn test_batch(
     buffer: &OcclusionBuffer,

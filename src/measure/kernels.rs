@@ -135,13 +135,19 @@ pub struct ProgressiveReport {
     pub verdicts: Verdicts,
 }
 
-/// `pyramid`: all levels from a full map.
+/// `pyramid`: all levels from a full map, and brought in step object by object.
 #[derive(Debug, Clone, Default)]
 pub struct PyramidReport {
     /// A build each.
     pub times: Times,
     /// Bytes of all levels.
     pub bytes: usize,
+    /// Updates after one object each, over all views.
+    pub updates: u64,
+    /// Tiles of 32x32 samples that they changed, together.
+    pub changed_tiles: u64,
+    /// Their time together, in milliseconds.
+    pub update_ms: f64,
 }
 
 /// The bench: a scene, its views, and buffers of their size.
@@ -266,7 +272,7 @@ impl<'a> KernelBench<'a> {
         Ok(report)
     }
 
-    /// Measures `pyramid`: a whole build, from the map of all objects.
+    /// Measures `pyramid`: a whole build, from the map of all objects; then updates, object by object, nearest first.
     ///
     /// # Errors
     /// Those of the buffer.
@@ -281,6 +287,16 @@ impl<'a> KernelBench<'a> {
                 Ok(())
             })?;
             report.times.push_fastest(&times);
+            self.buffer.begin(view)?;
+            self.buffer.pyramid();
+            for occluder in &occluders {
+                self.buffer.submit(&self.scene.meshes, std::slice::from_ref(occluder))?;
+                report.changed_tiles += self.buffer.changed_tiles() as u64;
+                let start = Instant::now();
+                self.buffer.pyramid();
+                report.update_ms += start.elapsed().as_secs_f64() * 1e3;
+                report.updates += 1;
+            }
             progress(v + 1);
         }
         Ok(report)

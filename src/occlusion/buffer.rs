@@ -40,6 +40,13 @@ pub struct Occluder {
     pub luminance: u8,
 }
 
+impl Occluder {
+    /// Whether it covers anything: by itself, or, where layers are fused, with others.
+    pub fn covers(&self, fused: bool) -> bool {
+        self.opaque || fused && self.optical_depth > 0
+    }
+}
+
 /// Objects that occlude and are tested: what a box's id stands for.
 #[derive(Debug, Clone, Copy)]
 pub struct Occluders<'a> {
@@ -175,14 +182,6 @@ impl OcclusionBuffer {
     pub fn set_settings(&mut self, settings: OcclusionSettings) -> Result<()> {
         let grid = self.map.grid;
         settings.pyramid.check()?;
-        if let (Some(fusion), false) = (settings.fusion, matches!(settings.depth, DepthRepresentation::NoBackground(_)))
-        {
-            return Err(Error::parameter(
-                "fusion",
-                fusion,
-                "needs the no-background Z-buffer: depth=nbz or depth=nbz-block",
-            ));
-        }
         let another = settings.pyramid != self.settings.pyramid || settings.contrast != self.settings.contrast;
         let pyramid = another.then(|| Pyramid::new(grid, settings.pyramid, settings.contrast));
         let levels = pyramid.as_ref().unwrap_or(&self.pyramid).levels();
@@ -210,6 +209,11 @@ impl OcclusionBuffer {
     pub fn walks_pyramid(&self) -> bool {
         let s = &self.settings;
         !s.thresholds.is_exact() || s.levels.is_some() || s.fusion.is_some()
+    }
+
+    /// Whether an occluder covers anything: by itself, or fused with others.
+    pub fn occludes(&self, occluder: &Occluder) -> bool {
+        occluder.covers(self.settings.fusion.is_some())
     }
 
     pub(super) fn coverage(&self) -> Coverage<'_> {
@@ -280,6 +284,11 @@ impl OcclusionBuffer {
     pub fn pyramid(&mut self) -> &Pyramid {
         self.update_pyramid();
         &self.pyramid
+    }
+
+    /// Tiles of 32x32 samples that changed since the pyramid was last brought in step.
+    pub fn changed_tiles(&self) -> usize {
+        self.map.dirty.iter().filter(|&&changed| changed).count()
     }
 
     /// Makes the next [`OcclusionBuffer::pyramid`] compute all of it: for measuring a whole build.

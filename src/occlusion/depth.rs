@@ -78,12 +78,12 @@ impl Depth {
         matches!(self, Depth::InMap)
     }
 
-    /// Takes a round of occluders into a far boundary.
-    pub fn push(&mut self, view: &View, grid: Grid, meshes: &PreparedMeshes, occluders: &[Occluder]) {
+    /// Takes a round of occluders into a far boundary; translucent ones too where they are fused.
+    pub fn push(&mut self, view: &View, grid: Grid, meshes: &PreparedMeshes, occluders: &[Occluder], fuses: bool) {
         if matches!(self, Depth::Nothing | Depth::InMap) {
             return;
         }
-        for o in occluders.iter().filter(|o| o.opaque) {
+        for o in occluders.iter().filter(|o| o.covers(fuses)) {
             let rows = ObjectRows::new(view, o.position);
             let Some(far) = FarRectangle::new(&rows, o.rotation.as_ref(), meshes.bounds(o.mesh), grid) else {
                 continue;

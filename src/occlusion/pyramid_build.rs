@@ -5,7 +5,7 @@
 //! on that tile alone: sixteen population counts, added up while they are in registers. Other blocks are cut out of the
 //! words that they touch, at some nanoseconds a word.
 
-use homcull_simd::{Kernel, Mask, Simd};
+use homcull_simd::{Kernel, Mask, Simd, prefetch};
 
 use super::contrast::Luminance;
 use super::map::MapView;
@@ -55,12 +55,20 @@ impl Kernel for UpdatePyramid<'_> {
         lists.take_tiles(dirty, pyramid.grid.tiles_x());
         let mut level = 1;
         if pyramid.shape.block == [BLOCK as u32; 2] && luminance.is_none() {
+            let columns = pyramid.grid.tiles_x();
+            let mut levels = TileLevels::new(pyramid);
             for &tile in &lists.changed {
                 let (x, y) = place(tile);
-                update_tile(s, pyramid, coverage, x, y);
+                levels.update(s, coverage, columns, x, y);
             }
             // Tiles are pixels of level 2.
             level = 3;
+            if lists.changed.len() == dirty.len() {
+                while level < pyramid.levels() {
+                    add_all(pyramid, level);
+                    level += 1;
+                }
+            }
         } else {
             lists.climb_to_pixels(pyramid);
             for &pixel in &lists.changed {
@@ -70,10 +78,7 @@ impl Kernel for UpdatePyramid<'_> {
         }
         while level < pyramid.levels() {
             lists.climb(pyramid.size(level).0);
-            for &pixel in &lists.changed {
-                let (x, y) = place(pixel);
-                add_children(pyramid, level, x, y);
-            }
+            add_children(pyramid, level, &lists.changed);
             level += 1;
         }
         pyramid.lists = lists;
@@ -155,77 +160,121 @@ impl Lists {
     }
 }
 
-impl Pyramid {
-    /// Sets a count; pixels and levels that are not there are passed over.
+/// Levels 0, 1 and 2 where tiles fill them; levels that are not there are empty.
+struct TileLevels<'a> {
+    finest: &'a mut [u8],
+    size: (usize, usize),
+    level_1: &'a mut [u32],
+    size_1: (usize, usize),
+    level_2: &'a mut [u32],
+    width_2: usize,
+}
+
+impl<'a> TileLevels<'a> {
     #[inline(always)]
-    fn set(&mut self, level: usize, x: usize, y: usize, holes: u32) {
-        let bytes = level == 0 && !self.finest.is_empty();
-        if level >= self.maps.len() {
-            return;
+    fn new(pyramid: &'a mut Pyramid) -> TileLevels<'a> {
+        let Pyramid { finest, maps, .. } = pyramid;
+        let (level_0, coarser) = maps.split_at_mut(1);
+        let (level_1, coarser) = coarser.split_at_mut(coarser.len().min(1));
+        let size = (level_0[0].width, level_0[0].height);
+        let mut levels = TileLevels { finest, size, level_1: &mut [], size_1: (0, 0), level_2: &mut [], width_2: 0 };
+        if let Some(map) = level_1.first_mut() {
+            (levels.size_1, levels.level_1) = ((map.width, map.height), &mut map.holes);
         }
-        let map = &mut self.maps[level];
-        if x < map.width && y < map.height {
-            let at = y * map.width + x;
-            if bytes {
-                self.finest[at] = holes as u8;
-            } else {
-                map.holes[at] = holes;
+        if let Some(map) = coarser.first_mut() {
+            (levels.width_2, levels.level_2) = (map.width, &mut map.holes);
+        }
+        levels
+    }
+
+    /// One tile.
+    #[inline(always)]
+    fn update<S: Simd>(&mut self, s: S, coverage: Coverage<'_>, columns: usize, tile_x: usize, tile_y: usize) {
+        let rows = tile_holes(s, coverage, tile_y * columns + tile_x);
+        let (x, y) = (4 * tile_x, 4 * tile_y);
+        // At most 128 a byte: two rows of blocks are added up without a carry, then two columns, 16 bits each.
+        let mut sums = [rows[0] + rows[1], rows[2] + rows[3]];
+        for pair in &mut sums {
+            *pair = (*pair & 0x00FF_00FF) + (*pair >> 8 & 0x00FF_00FF);
+        }
+        if let Some(to) = self.level_2.get_mut(tile_y * self.width_2 + tile_x) {
+            *to = (sums[0] & 0xFFFF) + (sums[0] >> 16) + (sums[1] & 0xFFFF) + (sums[1] >> 16);
+        }
+        let (width, height) = self.size;
+        if x + 4 <= width && y + 4 <= height {
+            for i in 0..4 {
+                let at = (y + i) * width + x;
+                self.finest[at..at + 4].copy_from_slice(&rows[i].to_le_bytes());
+            }
+        } else {
+            for i in 0..(height - y).min(4) {
+                let (at, columns) = ((y + i) * width + x, (width - x).min(4));
+                self.finest[at..at + columns].copy_from_slice(&rows[i].to_le_bytes()[..columns]);
+            }
+        }
+        let (width, height) = self.size_1;
+        for i in 0..2 {
+            let (x, y) = (2 * tile_x, 2 * tile_y + i);
+            let at = y * width + x;
+            if y < height && x + 2 <= width {
+                self.level_1[at..at + 2].copy_from_slice(&[sums[i] & 0xFFFF, sums[i] >> 16]);
+            } else if y < height {
+                self.level_1[at] = sums[i] & 0xFFFF;
             }
         }
     }
 }
 
-/// Levels 0, 1 and 2 of one tile.
-#[inline(always)]
-fn update_tile<S: Simd>(s: S, pyramid: &mut Pyramid, coverage: Coverage<'_>, tile_x: usize, tile_y: usize) {
-    let (width, height) = pyramid.size(0);
-    let tile = tile_y * pyramid.grid.tiles_x() + tile_x;
-    let rows = tile_holes(s, coverage, tile);
-    let (x, y) = (4 * tile_x, 4 * tile_y);
-    let columns = (width - x).min(4);
-    for (i, row) in rows.iter().enumerate().take((height - y).min(4)) {
-        let at = (y + i) * width + x;
-        if columns == 4 {
-            pyramid.finest[at..at + 4].copy_from_slice(&row.to_le_bytes());
-        } else {
-            pyramid.finest[at..at + columns].copy_from_slice(&row.to_le_bytes()[..columns]);
+/// Tiles whose memory is asked for ahead: they lie beyond the nearest cache.
+const AHEAD: usize = 6;
+
+/// The bytes of blocks that are not covered whole, by four bits of a mask of those that are.
+const NOT_WHOLE: [u32; 16] = {
+    let mut table = [0; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut block = 0;
+        while block < 4 {
+            if bits >> block & 1 == 0 {
+                table[bits] |= 0xFF << (8 * block);
+            }
+            block += 1;
         }
+        bits += 1;
     }
-    // At most 128 a byte: two rows of two blocks are added up without a carry.
-    let mut all = 0;
-    for i in 0..2 {
-        let pair = rows[2 * i] + rows[2 * i + 1];
-        let left = (pair & 0xFF) + (pair >> 8 & 0xFF);
-        let right = (pair >> 16 & 0xFF) + (pair >> 24);
-        pyramid.set(1, 2 * tile_x, 2 * tile_y + i, left);
-        pyramid.set(1, 2 * tile_x + 1, 2 * tile_y + i, right);
-        all += left + right;
-    }
-    pyramid.set(2, tile_x, tile_y, all);
-}
+    table
+};
 
 /// Holes of a tile's blocks, four a row, a byte each.
 #[inline(always)]
 fn tile_holes<S: Simd>(s: S, coverage: Coverage<'_>, tile: usize) -> [u32; 4] {
-    let floors = s.load_f(&coverage.map.floors[tile]);
-    let whole: Mask = s.gt_f(floors, s.splat_f(0.0));
+    prefetch(coverage.map.floors, tile + AHEAD);
+    for half in 0..2 {
+        prefetch(coverage.map.cover.as_flattened(), 16 * (tile + AHEAD) + 8 * half);
+    }
+    let whole: Mask = s.gt_f(s.load_f(&coverage.map.floors[tile]), s.splat_f(0.0));
     let mut rows = [0; 4];
     if whole == !0 {
         return rows;
     }
     let cover = &coverage.map.cover[tile];
-    let mut words = *cover;
-    if let Some(fused) = coverage.fused {
-        for block in 0..16 {
-            words[block] |= fused[tile][block];
+    let mut holes = [0_u8; 16];
+    match coverage.fused {
+        None => {
+            for block in 0..16 {
+                holes[block] = cover[block].count_zeros() as u8;
+            }
+        }
+        Some(fused) => {
+            let fused = &fused[tile];
+            for block in 0..16 {
+                holes[block] = (cover[block] | fused[block]).count_zeros() as u8;
+            }
         }
     }
     for row in 0..4 {
-        for column in 0..4 {
-            let block = 4 * row + column;
-            let holes = if whole >> block & 1 != 0 { 0 } else { words[block].count_zeros() };
-            rows[row] |= holes << (8 * column);
-        }
+        let four = [holes[4 * row], holes[4 * row + 1], holes[4 * row + 2], holes[4 * row + 3]];
+        rows[row] = u32::from_le_bytes(four) & NOT_WHOLE[usize::from(whole >> (4 * row) & 15)];
     }
     rows
 }
@@ -250,29 +299,72 @@ fn count_pixel(
             }
         }
     }
-    pyramid.set(0, x, y, holes);
     let map = &mut pyramid.maps[0];
-    if let Some(to) = map.luminance.get_mut(y * map.width + x) {
+    let at = y * map.width + x;
+    if map.holes.is_empty() {
+        pyramid.finest[at] = holes as u8;
+    } else {
+        map.holes[at] = holes;
+    }
+    if let Some(to) = map.luminance.get_mut(at) {
         *to = light;
     }
 }
 
-/// One pixel above level 0.
+/// All pixels of a level above level 1, without luminance: a pixel has a child in the first row and column at least.
 #[inline(always)]
-fn add_children(pyramid: &mut Pyramid, level: usize, x: usize, y: usize) {
-    let (width, height) = pyramid.size(level - 1);
-    let (mut holes, mut light) = (0, Luminance::default());
-    for cy in 2 * y..(2 * y + 2).min(height) {
-        for cx in 2 * x..(2 * x + 2).min(width) {
-            holes += pyramid.holes(level - 1, cx, cy);
-            if let Some(&l) = pyramid.maps[level - 1].luminance.get(cy * width + cx) {
-                light += l;
+fn add_all(pyramid: &mut Pyramid, level: usize) {
+    let (below, from) = pyramid.maps.split_at_mut(level);
+    let (below, to) = (&below[level - 1], &mut from[0]);
+    for (y, to) in to.holes.chunks_exact_mut(to.width).enumerate() {
+        let upper = &below.holes[2 * y * below.width..][..below.width];
+        let lower =
+            if 2 * y + 1 < below.height { &below.holes[(2 * y + 1) * below.width..][..below.width] } else { &[] };
+        for (x, to) in to.iter_mut().enumerate() {
+            *to = 0;
+            for row in [upper, lower] {
+                if let Some(&[a, b]) = row.get(2 * x..2 * x + 2) {
+                    *to += a + b;
+                } else if let Some(&a) = row.get(2 * x) {
+                    *to += a;
+                }
             }
         }
     }
-    pyramid.set(level, x, y, holes);
-    let map = &mut pyramid.maps[level];
-    if let Some(to) = map.luminance.get_mut(y * map.width + x) {
-        *to = light;
+}
+
+/// Pixels of a level above level 0, from the four below each.
+#[inline(always)]
+fn add_children(pyramid: &mut Pyramid, level: usize, pixels: &[u32]) {
+    let Pyramid { finest, maps, .. } = pyramid;
+    let (below, from) = maps.split_at_mut(level);
+    let (below, to) = (&below[level - 1], &mut from[0]);
+    let (width, height) = (below.width, below.height);
+    for &pixel in pixels {
+        let (x, y) = place(pixel);
+        let columns = 2 * x..(2 * x + 2).min(width);
+        let mut holes = 0;
+        for cy in 2 * y..(2 * y + 2).min(height) {
+            let row = cy * width + columns.start..cy * width + columns.end;
+            if below.holes.is_empty() {
+                for &h in &finest[row] {
+                    holes += u32::from(h);
+                }
+            } else {
+                for &h in &below.holes[row] {
+                    holes += h;
+                }
+            }
+        }
+        to.holes[y * to.width + x] = holes;
+        if !to.luminance.is_empty() {
+            let mut light = Luminance::default();
+            for cy in 2 * y..(2 * y + 2).min(height) {
+                for cx in columns.clone() {
+                    light += below.luminance[cy * width + cx];
+                }
+            }
+            to.luminance[y * to.width + x] = light;
+        }
     }
 }

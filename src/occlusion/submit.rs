@@ -82,7 +82,7 @@ impl OcclusionBuffer {
     pub fn submit(&mut self, meshes: &PreparedMeshes, occluders: &[Occluder]) -> Result<()> {
         let view = *self.begun()?;
         let (keep_depth, cluster_test) = (self.depth.is_in_map(), self.settings.cluster_test);
-        self.depth.push(&view, self.map.grid, meshes, occluders);
+        self.depth.push(&view, self.map.grid, meshes, occluders, self.settings.fusion.is_some());
         let submit = Submit {
             view: &view,
             sink: self.map.sink(),
@@ -112,7 +112,7 @@ impl OcclusionBuffer {
     ) -> Result<()> {
         let view = *self.begun()?;
         let (level, keep_depth, cluster_test) = (self.level, self.depth.is_in_map(), self.settings.cluster_test);
-        self.depth.push(&view, self.map.grid, meshes, occluders);
+        self.depth.push(&view, self.map.grid, meshes, occluders, self.settings.fusion.is_some());
         let bands = bands.clamp(1, self.map.grid.tiles_y());
         while self.queues.len() < bands {
             self.queues.push(Queues::new());

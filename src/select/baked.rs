@@ -171,7 +171,8 @@ impl BakedVisibility {
         if !bytes.starts_with(&MAGIC) {
             return Err("is no bake of homcull".into());
         }
-        let short = || format!("is cut short: it has {} bytes", bytes.len());
+        // A damaged length asks for more than there is, too.
+        let short = || format!("is cut short or damaged: its {} bytes are too few", bytes.len());
         let (header, rest) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;
         let header = BakeHeader::decode(header)?;
         let n = header.grid.points();

@@ -48,31 +48,29 @@ pub enum Order {
     },
 }
 
-/// The queue of a walk: reused from frame to frame.
+/// The queue of a walk, and which occluders were chosen before it: reused from frame to frame.
 #[derive(Debug, Clone, Default)]
 pub struct WalkMemory {
     front: BinaryHeap<Reverse<(u64, u8)>>,
+    /// By id; all false between walks.
+    before: Vec<bool>,
 }
 
 impl OccluderDatabase {
     /// The objects of a scene that `may_occlude`, under their own ids. What is not opaque, or has no triangles or no finite box,
     /// never gets in.
     pub fn of_scene(scene: &PreparedScene, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
-        OccluderDatabase::of_covering(scene, |occluder| occluder.opaque, may_occlude)
+        OccluderDatabase::of_covering(scene, false, may_occlude)
     }
 
     /// As [`OccluderDatabase::of_scene`], for a buffer that fuses layers: with translucent objects that add something (4.4).
     pub fn of_fused_scene(scene: &PreparedScene, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
-        OccluderDatabase::of_covering(scene, |occluder| occluder.opaque || occluder.optical_depth > 0, may_occlude)
+        OccluderDatabase::of_covering(scene, true, may_occlude)
     }
 
-    fn of_covering(
-        scene: &PreparedScene,
-        covers: impl Fn(&Occluder) -> bool,
-        may_occlude: impl Fn(u32) -> bool,
-    ) -> OccluderDatabase {
+    fn of_covering(scene: &PreparedScene, fused: bool, may_occlude: impl Fn(u32) -> bool) -> OccluderDatabase {
         let triangles: Vec<u32> = (0..scene.occluders.len() as u32).map(|id| scene.triangles(id)).collect();
-        let admitted = |id: usize| covers(&scene.occluders[id]) && triangles[id] > 0 && may_occlude(id as u32);
+        let admitted = |id: usize| scene.occluders[id].covers(fused) && triangles[id] > 0 && may_occlude(id as u32);
         let bounds = scene.bounds.iter().enumerate().map(|(id, &b)| if admitted(id) { b } else { Aabb::EMPTY });
         OccluderDatabase::build(None, scene.occluders.clone(), bounds.collect(), triangles, scene.origin)
     }
@@ -144,11 +142,12 @@ impl OccluderDatabase {
 
     /// Triangles of occluders together.
     pub fn triangles(&self, ids: &[u32]) -> u64 {
-        ids.iter().map(|&id| u64::from(self.triangles[id as usize])).sum()
+        ids.iter().filter_map(|&id| self.triangles.get(id as usize)).map(|&n| u64::from(n)).sum()
     }
 
-    /// Chooses occluders in the frustum in an order. Stops before the triangles chosen would pass `limit`; the first is always
-    /// taken. `candidate` may turn down more, view by view; an object turned down counts nothing.
+    /// Chooses occluders in the frustum in an order, and appends them to `chosen`. Stops before the triangles of all that is there
+    /// would pass `limit`; the first of all is always taken. What is there already is not taken again. `candidate` may turn
+    /// down more, view by view; an object turned down counts nothing.
     #[allow(clippy::too_many_arguments)]
     pub fn choose(
         &self,
@@ -160,20 +159,34 @@ impl OccluderDatabase {
         memory: &mut WalkMemory,
         chosen: &mut Vec<u32>,
     ) {
-        chosen.clear();
         let eye = (view.eye() - self.origin).as_vec3();
-        level.run(Walk { database: self, view: &self.box_view(view), eye, order, limit, candidate, memory, chosen });
+        let WalkMemory { front, before } = memory;
+        before.resize(self.bounds.len(), false);
+        mark(before, chosen, true);
+        let there = chosen.len();
+        let taken = Taken { triangles: self.triangles(chosen), limit, chosen };
+        let new = |id| !before[id as usize] && candidate(id);
+        level.run(Walk { database: self, view: &self.box_view(view), eye, order, candidate: &new, front, taken });
+        mark(before, &chosen[..there], false);
     }
 
-    /// Goes through a list in its own order and takes what is in the database and in the frustum (7.5), under the same limit.
-    /// Ids beyond the database count as not in it.
-    pub fn choose_in_order(&self, level: Level, view: &View, list: &[u32], limit: u64, chosen: &mut Vec<u32>) {
-        chosen.clear();
-        level.run(InOrder { database: self, view: &self.box_view(view), list, limit, chosen });
+    /// Goes through a list in its own order and appends what is in the database and in the frustum (7.5), under the same limit.
+    /// Ids beyond the database count as not in it. True when the list came to its end within the limit.
+    pub fn choose_in_order(&self, level: Level, view: &View, list: &[u32], limit: u64, chosen: &mut Vec<u32>) -> bool {
+        let taken = Taken { triangles: self.triangles(chosen), limit, chosen };
+        level.run(InOrder { database: self, view: &self.box_view(view), list, taken })
     }
 
     fn box_view(&self, view: &View) -> BoxView {
         BoxView::new(ObjectRows::new(view, self.origin), Grid::new(view.viewport()), view.near_center())
+    }
+}
+
+fn mark(marks: &mut [bool], ids: &[u32], as_what: bool) {
+    for &id in ids {
+        if let Some(mark) = marks.get_mut(id as usize) {
+            *mark = as_what;
+        }
     }
 }
 
@@ -237,10 +250,9 @@ struct Walk<'a> {
     view: &'a BoxView,
     eye: Vec3,
     order: Order,
-    limit: u64,
     candidate: &'a dyn Fn(u32) -> bool,
-    memory: &'a mut WalkMemory,
-    chosen: &'a mut Vec<u32>,
+    front: &'a mut BinaryHeap<Reverse<(u64, u8)>>,
+    taken: Taken<'a>,
 }
 
 impl Kernel for Walk<'_> {
@@ -248,10 +260,8 @@ impl Kernel for Walk<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Walk { database, view, eye, order, limit, candidate, memory, chosen } = self;
-        let tree = &database.tree;
-        let mut taken = Taken { triangles: 0, limit, chosen };
-        let (front, end) = (&mut memory.front, order.end());
+        let Walk { database, view, eye, order, candidate, front, mut taken } = self;
+        let (tree, end) = (&database.tree, order.end());
         front.clear();
         if !tree.is_empty() {
             front.push(Reverse((0, ALL_PLANES)));
@@ -288,17 +298,15 @@ struct InOrder<'a> {
     database: &'a OccluderDatabase,
     view: &'a BoxView,
     list: &'a [u32],
-    limit: u64,
-    chosen: &'a mut Vec<u32>,
+    taken: Taken<'a>,
 }
 
 impl Kernel for InOrder<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<S: Simd>(self, s: S) {
-        let InOrder { database, view, list, limit, chosen } = self;
-        let mut taken = Taken { triangles: 0, limit, chosen };
+    fn run<S: Simd>(self, s: S) -> bool {
+        let InOrder { database, view, list, mut taken } = self;
         for ids in list.chunks(16) {
             let (mut group, mut used) = (BoxGroup::NONE, 0);
             for (lane, &id) in ids.iter().enumerate() {
@@ -313,9 +321,10 @@ impl Kernel for InOrder<'_> {
                 let id = ids[k.trailing_zeros() as usize];
                 k &= k - 1;
                 if !taken.take(id, database.triangles[id as usize]) {
-                    return;
+                    return false;
                 }
             }
         }
+        true
     }
 }

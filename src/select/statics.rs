@@ -75,8 +75,9 @@ impl StaticCriteria {
     pub const ASPECT: f32 = 8.0;
     /// A quarter of the default limit: a frame has at least four occluders.
     pub const COMPLEXITY: u32 = DEFAULT_TRIANGLES as u32 / 4;
-    /// A flat clock on a wall is covered to more than nine tenths: the wall misses its rim.
-    pub const REDUNDANCY: f32 = 0.9;
+    /// A flat clock on a wall is covered to 96 percent: the wall misses its rim. Of 0.8, 0.9, 0.95 and 0.99 the one that leaves the
+    /// city and sponza the fewest triangles under limits of 5,000 and 25,000.
+    pub const REDUNDANCY: f32 = 0.95;
 
     /// All five, for the depth estimation buffer.
     pub fn for_estimation_buffer() -> StaticCriteria {

@@ -23,6 +23,8 @@ pub(super) fn auxiliaries(room: &mut Room) {
     let lower = [pumps(stock), coolers(stock), switchboard(stock), bottles(stock), filters(stock)];
     let upper = [lockers(stock), flasks(stock), starters(stock)];
     let bilge = tanks(stock);
+    let mut pump = Assembly::default();
+    pump_set(&mut pump, stock, Vec3::new(0.9, -1.5, 2.9), paint::BILGE);
     let lamp = lamp(stock);
     let duct = duct(stock);
     for bay in 0..room.plan.bays {
@@ -32,6 +34,9 @@ pub(super) fn auxiliaries(room: &mut Room) {
             lower[random.below(lower.len())].place(room, Vec3::new(middle, 0.0, STAND * side), side);
             upper[random.below(upper.len())].place(room, Vec3::new(middle, UPPER, SHELF * side), side);
             bilge.place(room, Vec3::new(middle, 0.0, 0.0), side);
+            if (side > 0.0) == bay.is_multiple_of(2) {
+                pump.place(room, Vec3::new(middle, 0.0, 0.0), side);
+            }
             for z in [0.95, 2.3] {
                 lamp.place(room, Vec3::new(middle - 0.8, if z < 1.0 { 5.0 } else { 5.25 }, z * side), side);
             }
@@ -58,7 +63,7 @@ fn pumps(stock: &mut Stock) -> Assembly {
         header.join(&flange(14, 0.065, 6), upright_to(Vec3::X), Vec3::new(x, 1.35, 0.07));
     }
     header.join(&flange(14, 0.065, 6), Mat3::IDENTITY, Vec3::new(1.45, 1.9, 0.07));
-    set.once(stock, Rank::Must, "pumps/header", header, paint::SEA);
+    set.once(stock, Rank::Detail, "pumps/header", header, paint::SEA);
     let (mut board, mut dials) = (Solid::default(), Solid::default());
     board.block(-0.2, 1.45, 0.36, Vec3::new(2.2, 0.8, 0.06));
     board.block(-0.2, 1.5, 0.32, Vec3::new(2.1, 0.7, 0.03));
@@ -69,7 +74,7 @@ fn pumps(stock: &mut Stock) -> Assembly {
         dials.join(&dial, upright_to(Vec3::NEG_Z), at);
         dials.block(at.x, at.y - 0.14, 0.295, Vec3::new(0.12, 0.03, 0.02));
     }
-    set.once(stock, Rank::Must, "pumps/board", board, paint::CABINET);
+    set.once(stock, Rank::Detail, "pumps/board", board, paint::CABINET);
     set.once(stock, Rank::Detail, "pumps/dials", dials, paint::DARK);
     set
 }
@@ -97,7 +102,7 @@ fn coolers(stock: &mut Stock) -> Assembly {
     let levels = [0.5, 1.4].map(|y| (Mat3::IDENTITY, Vec3::new(0.0, y, 0.0)));
     set.many(stock, Rank::Must, "cooler/shell", shell, paint::FRESH, &levels);
     set.many(stock, Rank::Detail, "cooler/head", head, paint::STEEL, &levels);
-    set.many(stock, Rank::Must, "cooler/saddle", saddle, paint::DARK, &levels);
+    set.many(stock, Rank::Detail, "cooler/saddle", saddle, paint::DARK, &levels);
     let mut bundle = Solid::default();
     along_x(&mut bundle, &tubes(0.27, 0.085, 2.1), Vec3::new(-1.05, 0.0, 0.0));
     set.many(stock, Rank::Detail, "cooler/tubes", bundle, paint::BRASS, &levels);
@@ -148,7 +153,7 @@ fn switchboard(stock: &mut Stock) -> Assembly {
         breakers.block(x, 0.15, 0.2, Vec3::new(0.06, 1.7, 0.02));
     }
     let places = [-1.08, -0.36, 0.36, 1.08].map(|x| (Mat3::IDENTITY, Vec3::new(x, 0.0, 0.02)));
-    set.many(stock, Rank::Must, "switchboard/cabinet", cabinet, paint::CABINET, &places);
+    set.many(stock, Rank::Detail, "switchboard/cabinet", cabinet, paint::CABINET, &places);
     set.many(stock, Rank::Detail, "switchboard/breakers", breakers, paint::BRASS, &places);
     set.many(stock, Rank::Detail, "switchboard/front", front, paint::DARK, &places);
     set
@@ -163,7 +168,7 @@ fn bottles(stock: &mut Stock) -> Assembly {
     bottle.column(14, Vec2::ZERO, (0.0, 0.16), (0.1, 0.16));
     let places: Vec<(Mat3, Vec3)> =
         (0..7).map(|k| (Mat3::IDENTITY, Vec3::new(k as f32 * 0.41 - 1.23, 0.0, 0.06))).collect();
-    set.many(stock, Rank::Must, "bottles/bottle", bottle, paint::AIR, &places);
+    set.many(stock, Rank::Detail, "bottles/bottle", bottle, paint::AIR, &places);
     let mut tap = Solid::default();
     let way = [(0.0, 1.93, 0.0), (0.0, 2.12, 0.0), (0.0, 2.12, 0.2)].map(|(x, y, z)| Vec3::new(x, y, z));
     pipe(&mut tap, 8, 0.018, &way, (0.06, 4));
@@ -182,7 +187,7 @@ fn bottles(stock: &mut Stock) -> Assembly {
         rack.block(x, 0.0, -0.15, Vec3::new(0.05, 1.5, 0.05));
     }
     pipe(&mut rack, 10, 0.035, &[Vec3::new(-1.4, 2.12, 0.26), Vec3::new(1.4, 2.12, 0.26)], (0.0, 1));
-    set.once(stock, Rank::Must, "bottles/rack", rack, paint::DARK);
+    set.once(stock, Rank::Detail, "bottles/rack", rack, paint::DARK);
     set
 }
 
@@ -199,7 +204,7 @@ fn filters(stock: &mut Stock) -> Assembly {
     let places = [-0.95, 0.0].map(|x| (Mat3::IDENTITY, Vec3::new(x, 0.65, 0.0)));
     set.many(stock, Rank::Must, "filters/tank", tank, paint::OIL, &places);
     let places = [-0.95, 0.0].map(|x| (Mat3::IDENTITY, Vec3::new(x, 0.0, 0.0)));
-    set.many(stock, Rank::Must, "filters/legs", legs, paint::DARK, &places);
+    set.many(stock, Rank::Detail, "filters/legs", legs, paint::DARK, &places);
     let mut strainer = Solid::default();
     strainer.lathe(16, &[(0.12, 0.3), (0.16, 0.34), (0.16, 0.9), (0.21, 0.9), (0.21, 0.99), (0.1, 1.02), (0.1, 1.06)]);
     bolts(&mut strainer, 10, 0.185, 0.013, (0.86, 1.02));
@@ -238,7 +243,7 @@ fn lockers(stock: &mut Stock) -> Assembly {
         locker.block(x, 0.0, z, Vec3::new(0.04, 0.08, 0.04));
     }
     let places = [-1.2, -0.7, -0.2, 0.3, 0.8].map(|x| (Mat3::IDENTITY, Vec3::new(x, 0.0, 0.0)));
-    set.many(stock, Rank::Must, "locker", locker, paint::DOOR, &places);
+    set.many(stock, Rank::Detail, "locker", locker, paint::DOOR, &places);
     set
 }
 
@@ -251,7 +256,7 @@ fn flasks(stock: &mut Stock) -> Assembly {
     along_x(&mut flask, &round, Vec3::new(-1.3, 0.0, 0.0));
     let places = [(0.22, -0.12), (0.22, 0.2), (0.54, -0.12), (0.54, 0.2), (0.86, 0.02)];
     let places = places.map(|(y, z)| (Mat3::IDENTITY, Vec3::new(0.0, y, z)));
-    set.many(stock, Rank::Must, "flasks/flask", flask, paint::FIRE, &places);
+    set.many(stock, Rank::Detail, "flasks/flask", flask, paint::FIRE, &places);
     let mut rack = Solid::default();
     for x in [-0.8, 0.7] {
         for z in [-0.3, 0.36] {
@@ -289,7 +294,7 @@ fn starters(stock: &mut Stock) -> Assembly {
     }
     let places: Vec<(Mat3, Vec3)> =
         (0..6).map(|k| (Mat3::IDENTITY, Vec3::new(k as f32 * 0.48 - 1.2, 0.0, 0.0))).collect();
-    set.many(stock, Rank::Must, "starter/box", starter, paint::CABINET, &places);
+    set.many(stock, Rank::Detail, "starter/box", starter, paint::CABINET, &places);
     set.many(stock, Rank::Detail, "starter/cables", cables, paint::CABLE, &places);
     set
 }
@@ -325,10 +330,7 @@ fn tanks(stock: &mut Stock) -> Assembly {
     let (mut small, mut round) = (Solid::default(), Solid::default());
     vessel(&mut round, 20, 0.5, 1.5);
     along_x(&mut small, &round, Vec3::new(-1.2, -1.25, 3.0));
-    set.once(stock, Rank::Must, "tank/small", small, paint::FUEL);
-    let mut pump = Assembly::default();
-    pump_set(&mut pump, stock, Vec3::new(0.9, -1.5, 2.9), paint::BILGE);
-    set.take(pump);
+    set.once(stock, Rank::Detail, "tank/small", small, paint::FUEL);
     set
 }
 
@@ -345,7 +347,7 @@ fn lamp(stock: &mut Stock) -> Assembly {
         hood.column(5, Vec2::new(x * 0.8, 0.0), (0.08, 0.01), (0.3, 0.01));
     }
     set.once(stock, Rank::Must, "lamp/tube", tube, paint::LAMP);
-    set.once(stock, Rank::Must, "lamp/hood", hood, paint::SHELL);
+    set.once(stock, Rank::Detail, "lamp/hood", hood, paint::SHELL);
     set
 }
 

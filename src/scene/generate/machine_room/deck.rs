@@ -9,7 +9,7 @@ use super::parts::{Room, paint};
 use super::plan::{AISLE, BAY, END, FRAME, OPENING, SIDE, STAIR, UPPER, half_width};
 
 /// Metres between the bearing bars of a grating.
-const PITCH: f32 = 0.05;
+const PITCH: f32 = 0.055;
 
 /// Shapes laid again and again.
 struct Panels {

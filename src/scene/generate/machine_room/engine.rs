@@ -121,7 +121,7 @@ fn heads(set: &mut Assembly, stock: &mut Stock) {
     gear.block(0.1, -0.28, 0.3, Vec3::new(0.12, 0.2, 0.12));
     gear.column(8, Vec2::new(0.1, 0.3), (-0.08, 0.035), (0.0, 0.03));
     let places = banks();
-    set.many(stock, Rank::Must, "diesel/head", jacket, paint::HEAD, &places);
+    set.many(stock, Rank::Detail, "diesel/head", jacket, paint::HEAD, &places);
     set.many(stock, Rank::Detail, "diesel/cover", cover, paint::COVER, &places);
     set.many(stock, Rank::Detail, "diesel/injector", gear, paint::STEEL, &places);
 }
@@ -196,7 +196,7 @@ fn exhaust(set: &mut Assembly, stock: &mut Stock) {
     turbo.join(&scroll, upright_to(Vec3::Z), Vec3::new(0.0, 0.0, -0.13));
     turbo.block(0.0, -0.4, 0.05, Vec3::new(0.3, 0.3, 0.2));
     let places = [at(CASE.0 - 0.02, 1.95, 0.22), (facing(-1.0), Vec3::new(CASE.0 - 0.02, 1.95, -0.22))];
-    set.many(stock, Rank::Must, "diesel/turbocharger", turbo, paint::TURBO, &places);
+    set.many(stock, Rank::Detail, "diesel/turbocharger", turbo, paint::TURBO, &places);
     let mut riser = Solid::default();
     let way = [Vec3::new(CASE.0, 2.1, 0.0), Vec3::new(CASE.0, 5.6, 0.0)];
     pipe(&mut riser, 18, 0.2, &way, (0.3, 4));
@@ -296,7 +296,7 @@ fn free_end(set: &mut Assembly, stock: &mut Stock) {
     for k in 0..9 {
         cooler.block(0.0, 0.42, k as f32 * 0.1 - 0.4, Vec3::new(0.46, 0.03, 0.015));
     }
-    set.many(stock, Rank::Must, "diesel/cooler", cooler, paint::HEAD, &[at(CASE.1 - 0.15, 1.55, 0.0)]);
+    set.many(stock, Rank::Detail, "diesel/cooler", cooler, paint::HEAD, &[at(CASE.1 - 0.15, 1.55, 0.0)]);
     let mut filter = Solid::default();
     vessel(&mut filter, 14, 0.13, 0.62);
     filter.join(&flange(14, 0.12, 8), Mat3::IDENTITY, Vec3::Y * 0.48);

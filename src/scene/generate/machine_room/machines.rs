@@ -243,7 +243,7 @@ pub(super) fn pump_set(set: &mut Assembly, stock: &mut Stock, at: Vec3, color: [
     for x in [-0.55, 0.1, 0.5] {
         base.block(at.x + x, at.y + 0.12, at.z, Vec3::new(0.12, 0.14, 0.36));
     }
-    set.once(stock, Rank::Must, "pump/base", base, paint::DARK);
+    set.once(stock, Rank::Detail, "pump/base", base, paint::DARK);
     let (mut motor, mut round) = (Solid::default(), Solid::default());
     round.lathe(
         18,
@@ -267,7 +267,7 @@ pub(super) fn pump_set(set: &mut Assembly, stock: &mut Stock, at: Vec3, color: [
     }
     along_x(&mut motor, &round, at + Vec3::new(-0.05, 0.42, 0.0));
     motor.block(at.x + 0.25, at.y + 0.56, at.z, Vec3::new(0.2, 0.12, 0.16));
-    set.once(stock, Rank::Must, "pump/motor", motor, color);
+    set.once(stock, Rank::Detail, "pump/motor", motor, color);
     let (mut pump, mut round) = (Solid::default(), Solid::default());
     round.lathe(14, &[(0.08, -0.2), (0.08, -0.1), (0.18, -0.08), (0.22, 0.0), (0.18, 0.08), (0.1, 0.12), (0.06, 0.2)]);
     bolts(&mut round, 6, 0.17, 0.012, (-0.1, 0.1));
@@ -292,7 +292,7 @@ pub(super) fn compressor(stock: &mut Stock) -> Assembly {
     cylinder.lathe(12, &[(0.15, 0.54), (0.15, 0.62), (0.06, 0.66)]);
     bolts(&mut cylinder, 6, 0.12, 0.014, (0.6, 0.65));
     let stand = [-0.95, -0.6, -0.25].map(|x| (Mat3::IDENTITY, Vec3::new(x, 0.75, -0.1)));
-    set.many(stock, Rank::Must, "compressor/cylinder", cylinder, paint::STEEL, &stand);
+    set.many(stock, Rank::Detail, "compressor/cylinder", cylinder, paint::STEEL, &stand);
     let mut ways = Solid::default();
     for x in [-0.95, -0.6, -0.25] {
         let way = [(x, 1.3, 0.1), (x, 1.3, 0.42), (x, 0.8, 0.42), (0.5, 0.8, 0.42)].map(|(x, y, z)| Vec3::new(x, y, z));

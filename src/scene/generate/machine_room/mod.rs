@@ -24,12 +24,7 @@ use plan::{FEWEST_BAYS, Kind, Plan, ROW};
 pub(super) fn build(seed: u64, triangles: u64) -> Generated {
     let mut bays = FEWEST_BAYS;
     let mut room = offer(seed, bays);
-    while {
-        if std::env::var_os("DBG").is_some() {
-            println!("{bays} {} {}", room.stock.triangles(), room.stock.must());
-        }
-        room.stock.triangles() < triangles + triangles / 100
-    } {
+    while room.stock.triangles() < triangles + triangles / 100 {
         // Bays beyond the first few offer alike: some less than the average, so that the last steps are by one.
         let each = room.stock.triangles() / bays as u64;
         let missing = (triangles - triangles.min(room.stock.triangles())) * 9 / 10 / each;
@@ -51,8 +46,8 @@ fn offer(seed: u64, bays: usize) -> Room {
     hull::hull(&mut room);
     deck::decks(&mut room);
     rows(&mut room);
-    auxiliary::auxiliaries(&mut room);
     runs::runs(&mut room);
+    auxiliary::auxiliaries(&mut room);
     room
 }
 

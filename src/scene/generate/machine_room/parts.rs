@@ -79,11 +79,6 @@ impl Assembly {
         self.parts.extend(places.iter().map(|&(turn, at)| Part { rank, kind, mesh, turn, at, color }));
     }
 
-    /// Takes the parts of another.
-    pub fn take(&mut self, other: Assembly) {
-        self.parts.extend(other.parts);
-    }
-
     /// Places the machine on `side`.
     pub fn place(&self, room: &mut Room, at: Vec3, side: f32) {
         let about = facing(side);

@@ -67,10 +67,10 @@ impl Plan {
         for (number, side) in [(0, 1.0), (1, -1.0)] {
             let mut random = Random::keyed(seed, 0x100 + number);
             for pair in 0..bays / 2 {
-                // Diesels at the ends of the walk; the rest by the seed.
+                // Diesels where the walk begins; the rest by the seed.
                 let kind = match (pair, random.below(8)) {
-                    (0, _) | (_, 0..=3) => Kind::Diesel,
-                    (_, 4..=5) => Kind::Turbine,
+                    (0, _) | (_, 0..=2) => Kind::Diesel,
+                    (_, 3..=5) => Kind::Turbine,
                     _ => Kind::Evaporator,
                 };
                 slots.push(Slot { kind, x: END + (pair as f32 * 2.0 + 1.0) * BAY, half: BAY, side });

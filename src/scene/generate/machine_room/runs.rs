@@ -97,8 +97,7 @@ impl Fittings {
             let mut clamp = Solid::default();
             clamp.column(8, Vec2::ZERO, (-0.02, radius * 1.1 + 0.004), (0.02, radius * 1.1 + 0.004));
             hanger.join(&clamp, upright_to(Vec3::X), Vec3::ZERO);
-            hanger.block(0.0, radius, 0.0, Vec3::new(0.04, 0.06, 0.03));
-            rod(&mut hanger, 5, 0.009, Vec3::Y * radius, Vec3::Y * (radius + 0.2));
+            rod(&mut hanger, 4, 0.01, Vec3::Y * radius, Vec3::Y * (radius + 0.2));
             Size {
                 straight: stock.shape(straight(BAY)),
                 end: stock.shape(straight(END)),
@@ -121,7 +120,7 @@ fn lay(room: &mut Room, fittings: &Fittings, random: &mut Random, run: (f32, f32
     room.put(Rank::Must, "pipe/end", size.end, place(0.0), color);
     room.put(Rank::Must, "pipe/end", size.end, place(last), color);
     // Where it goes through the bulkheads.
-    for x in [0.06, room.plan.length() - 0.06] {
+    for x in [0.06, room.plan.length() - 0.06].into_iter().filter(|_| number > 1) {
         room.put(Rank::Fill, "pipe/collar", size.flange, place(x), color);
     }
     // The handwheel points down from what lies high, else to the middle; near the walk there are none.
@@ -296,7 +295,7 @@ fn trays(room: &mut Room) {
     for bay in 0..room.plan.bays {
         for (y, z) in [(5.5, 0.45), (5.5, -0.45), (2.55, 4.6), (2.55, -4.6), (4.45, 4.35), (4.45, -4.35)] {
             let place = (Mat3::IDENTITY, Vec3::new(room.plan.bay(bay), y, z));
-            room.put(Rank::Must, "tray/ladder", tray, place, paint::STEEL);
+            room.put(Rank::Detail, "tray/ladder", tray, place, paint::STEEL);
             room.put(Rank::Detail, "tray/cables", cables, place, paint::CABLE);
         }
     }

@@ -28,7 +28,7 @@ pub(super) fn walk(plan: &Plan) -> CameraPath {
     walk.leg(at(cross, low, side), at(foot, low, side), at(-1.0, 0.02, -0.1), 0.3);
     let half = at((foot + head) * 0.5, (low + high) * 0.5, side);
     walk.leg(at(foot, low, side), half, at(-1.0, 0.25, -0.2), 0.0);
-    walk.leg(half, at(head, high, side), at(-0.35, 0.0, -1.0), 0.0);
+    walk.leg(half, at(head, high, side), at(0.15, -0.1, -1.0), 0.0);
     // Over to port with the whole room on the right hand.
     walk.leg(at(head, high, side), at(bridge, high, side * 0.7), at(0.25, -0.2, -1.0), 0.0);
     walk.leg(at(bridge, high, side * 0.7), at(bridge, high, -side * 0.5), at(1.0, -0.35, 0.0), 0.0);

@@ -288,15 +288,16 @@ fn decks(site: &mut Site, i: usize, j: usize, floor: usize) {
     let corner = at + DVec3::new(0.0, 0.0, BAY);
     site.put(Rank::Must, "joists", steel.joists, corner, QUARTER, STEEL);
     if deck == Deck::Plate {
-        let (mesh, color) = if floor % 4 == 2 { (steel.slab, CONCRETE) } else { (steel.plate, PLATE) };
+        let (mesh, color) = if plan.is_main(floor) { (steel.slab, CONCRETE) } else { (steel.plate, PLATE) };
         site.put(Rank::Must, "plate", mesh, at, Mat3::IDENTITY, color);
         return;
     }
     let color = site.worn(GALVANIZED);
+    let rank = if plan.has_firm_gratings() { Rank::Must } else { Rank::Fill };
     site.begin();
     for k in 0..4 {
         let quarter = DVec3::new((k % 2) as f64, 0.0, (k / 2) as f64) * BAY * 0.5;
-        site.put(Rank::Fill, "grating", steel.grating, at + quarter, Mat3::IDENTITY, color);
+        site.put(rank, "grating", steel.grating, at + quarter, Mat3::IDENTITY, color);
     }
     site.end();
 }
@@ -315,8 +316,9 @@ fn walls(site: &mut Site, i: usize, j: usize, floor: usize) {
         sides.push((DVec3::new(x + BAY, y, z), false, true));
     }
     for (corner, along_x, outer) in sides {
-        let span = if along_x { DVec3::new(BAY, 0.0, 0.2) } else { DVec3::new(0.2, 0.0, BAY) };
-        let room = Room { min: corner + DVec3::Y * 0.1, max: corner + span + DVec3::Y * (STOREY - 0.8) };
+        let (length, thick) = if along_x { (DVec3::X, DVec3::Z) } else { (DVec3::Z, DVec3::X) };
+        let (low, high) = (DVec3::Y * 0.1 - thick * 0.2, length * BAY + thick * 0.2 + DVec3::Y * (STOREY - 0.8));
+        let room = Room { min: corner + low, max: corner + high };
         let draw = site.random.below(100);
         if !site.is_free(&room) || plan.use_of(i, j) == Use::Boiler {
             continue;

@@ -218,7 +218,11 @@ pub(super) fn machines(site: &mut Site) {
             for i in 0..plan.bays_x {
                 let stands = match (plan.use_of(i, j), floor) {
                     (Use::Floors, 0) => true,
-                    (Use::Floors, _) => plan.deck(i, j, floor) != Deck::Open,
+                    (Use::Floors, _) => match plan.deck(i, j, floor) {
+                        Deck::Plate => true,
+                        Deck::Grating => plan.has_firm_gratings(),
+                        Deck::Open => false,
+                    },
                     _ => false,
                 };
                 let corner = DVec3::new(plan.line_x(i), plan.level(floor), plan.line_z(j));

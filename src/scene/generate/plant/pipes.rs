@@ -142,7 +142,8 @@ pub(super) fn overhang(radius: f32) -> f32 {
 /// From the end of a run along x on the lane above `under`: a bend up and on to the floor above, a collar at the floor.
 fn end_up((radius, sides, _): (f32, usize, usize), under: f32) -> Solid {
     let mut solid = Solid::default();
-    let rise = STOREY as f32 - under - radius;
+    // It ends within the deck, not level with it.
+    let rise = STOREY as f32 - under - radius - 0.06;
     let corner = Vec3::X * overhang(radius);
     pipe(&mut solid, sides, radius, &[Vec3::ZERO, corner, corner + Vec3::Y * rise], (bend(radius), 5));
     solid.column(sides, glam::Vec2::new(corner.x, 0.0), (rise - 0.16, radius * 1.6), (rise - 0.1, radius * 1.6));

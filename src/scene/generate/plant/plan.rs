@@ -244,12 +244,22 @@ impl Plan {
         x.contains(&(i + 1)) && z.contains(&(j + 1))
     }
 
-    /// The deck of a bay on a floor. Every fourth floor is a main floor, with plates throughout.
+    /// True for every fourth floor, a main floor with slabs throughout; the walk is midway between two.
+    pub fn is_main(&self, floor: usize) -> bool {
+        floor % 4 == (self.walk_floor + 2) % 4
+    }
+
+    /// Whether machines stand on gratings too, which then must be there: small plants have no triangles for it.
+    pub fn has_firm_gratings(&self) -> bool {
+        self.bays_x > 4
+    }
+
+    /// The deck of a bay on a floor.
     pub fn deck(&self, i: usize, j: usize, floor: usize) -> Deck {
         match self.use_of(i, j) {
             Use::Boiler | Use::Shaft => Deck::Open,
             Use::Stairs => Deck::Open,
-            Use::Floors if floor % 4 == 2 => Deck::Plate,
+            Use::Floors if self.is_main(floor) => Deck::Plate,
             Use::Floors => {
                 // Around the boiler there is more to look through than at the walls.
                 let (plates, gratings) = if self.borders_shaft(i, j) { (24, 60) } else { (46, 70) };

@@ -197,7 +197,9 @@ fn lay(site: &mut Site, aisle: &Aisle, floor: usize, bridge: bool) {
         }
         let ways = &site.shapes.ways;
         let (panel, channels, rail, truss) = (ways.panel, ways.channels, ways.rail, ways.truss);
-        if deck_at(plan, middle, floor) != Deck::Plate {
+        // A panel that is partly over a plate is laid whole.
+        let ends = [-0.49, 0.49].map(|share| middle + ahead * (share * length));
+        if ends.iter().any(|&end| deck_at(plan, end, floor) != Deck::Plate) {
             let color = site.worn(GRATING);
             site.put(Rank::Must, "grating", panel, at + DVec3::Y * PROUD, turn, color);
             site.put(Rank::Fill, "channels", channels, at, turn, STEEL);
