@@ -33,7 +33,7 @@ pub(crate) struct Convex<const N: usize> {
 }
 
 /// Room for the blocks of a window, and for the lanes beyond the last.
-const LISTED: usize = 256 + 16;
+pub(crate) const LISTED: usize = 256 + 16;
 
 /// The blocks of a window that a polygon covers in part, or of which every sample is asked.
 #[repr(C, align(64))]
@@ -214,7 +214,7 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
 }
 
 /// How many blocks ahead memory is asked for.
-const AHEAD: usize = 8;
+pub(crate) const AHEAD: usize = 8;
 
 /// Columns and rows of a window's tiles, and of a tile's blocks.
 const TILE_X: [i32; 16] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
@@ -223,8 +223,8 @@ const NUMBER: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]
 /// Columns and rows, in samples: of a tile's blocks, and of the samples in the first two rows of a block.
 const BLOCK_X: [i32; 16] = [0, 8, 16, 24, 0, 8, 16, 24, 0, 8, 16, 24, 0, 8, 16, 24];
 const BLOCK_Y: [i32; 16] = [0, 0, 0, 0, 8, 8, 8, 8, 16, 16, 16, 16, 24, 24, 24, 24];
-const SAMPLE_X: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7];
-const SAMPLE_Y: [i32; 16] = [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1];
+pub(crate) const SAMPLE_X: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7];
+pub(crate) const SAMPLE_Y: [i32; 16] = [0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1];
 
 /// How the edge functions change within a tile.
 struct Steps<S: Simd, const N: usize> {
@@ -280,17 +280,23 @@ impl<S: Simd, const N: usize> Steps<S, N> {
         for q in 0..N {
             e[q] = s.add_i(s.splat_i(first[q][block]), e[q]);
         }
-        let mut outside = 0;
-        for two_rows in 0..4 {
-            let mut signs = e[0];
-            for q in 1..N {
-                signs = s.or_i(signs, e[q]);
-            }
-            outside |= u64::from(s.sign_i(signs)) << (16 * two_rows);
-            for q in 0..N {
-                e[q] = s.add_i(e[q], self.rows[q]);
-            }
-        }
-        !outside
+        coverage(s, e, &self.rows)
     }
+}
+
+/// The coverage of a block, from the edge functions at its first two rows of samples, and their change in two rows.
+#[inline(always)]
+pub(crate) fn coverage<S: Simd, const N: usize>(s: S, mut edges: [S::I; N], rows: &[S::I; N]) -> u64 {
+    let mut outside = 0;
+    for two_rows in 0..4 {
+        let mut signs = edges[0];
+        for q in 1..N {
+            signs = s.or_i(signs, edges[q]);
+        }
+        outside |= u64::from(s.sign_i(signs)) << (16 * two_rows);
+        for q in 0..N {
+            edges[q] = s.add_i(edges[q], rows[q]);
+        }
+    }
+    !outside
 }

@@ -1,10 +1,12 @@
-//! Triangles that are not small: set up sixteen at a time, each then drawn as a convex polygon (`convex.rs`).
+//! Triangles that are not small: set up sixteen at a time. Those of few blocks then go together (`medium.rs`), each of the others is
+//! drawn as a convex polygon (`convex.rs`).
 
-use homcull_simd::Simd;
+use homcull_simd::{Mask, Simd};
 
 use super::convex::Convex;
 use super::each::each;
 use super::engine::Engine;
+use super::medium::MEDIUM_EXTENT;
 use super::plane::Planes;
 use super::queue::Lanes;
 use super::sink::Sink;
@@ -25,23 +27,75 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
             s.store_i(s.shr_i::<3>(bounds[i]), &mut blocks[i]);
         }
         let near = self.screen_nears(lanes, planes.steep, &t);
-        let (mut far, mut id) = ([0.0; 16], [0; 16]);
-        s.store_f(t.far, &mut far);
-        s.store_i(t.id, &mut id);
+        let mut sixteen = Sixteen { a, b, c, planes, blocks, near, far: [0.0; 16], id: [0; 16] };
+        s.store_f(t.far, &mut sixteen.far);
+        s.store_i(t.id, &mut sixteen.id);
+        let mut middle = lanes & medium_lanes(s, &t, &bounds);
+        lanes &= !middle;
+        while middle != 0 {
+            let l = middle.trailing_zeros() as usize;
+            middle &= middle - 1;
+            self.list_medium(&sixteen.lane(l), l);
+        }
+        self.draw_medium();
         while lanes != 0 {
             let l = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            let convex = Convex::<3> {
-                a: each!(3, q => a[q][l]),
-                b: each!(3, q => b[q][l]),
-                c: each!(3, q => c[q][l]),
-                plane: planes.lane(l, near[l], far[l]),
-                blocks: each!(4, i => blocks[i][l]),
-                id: id[l] as u32,
-            };
-            self.draw_convex(&convex);
+            self.draw_convex(&sixteen.lane(l));
         }
     }
+}
+
+/// Sixteen triangles, set up.
+struct Sixteen {
+    a: [[i32; 16]; 3],
+    b: [[i32; 16]; 3],
+    c: [[f64; 16]; 3],
+    planes: Planes,
+    blocks: [[i32; 16]; 4],
+    near: [f32; 16],
+    far: [f32; 16],
+    id: [i32; 16],
+}
+
+impl Sixteen {
+    #[inline(always)]
+    fn lane(&self, l: usize) -> Convex<3> {
+        Convex {
+            a: each!(3, q => self.a[q][l]),
+            b: each!(3, q => self.b[q][l]),
+            c: each!(3, q => self.c[q][l]),
+            plane: self.planes.lane(l, self.near[l], self.far[l]),
+            blocks: each!(4, i => self.blocks[i][l]),
+            id: self.id[l] as u32,
+        }
+    }
+}
+
+/// The difference of the largest and the smallest.
+#[inline(always)]
+fn extent<S: Simd>(s: S, v: &[S::I; 3]) -> S::I {
+    s.sub_i(s.max_i(s.max_i(v[0], v[1]), v[2]), s.min_i(s.min_i(v[0], v[1]), v[2]))
+}
+
+/// Triangles of few blocks, whose corners are not far from them.
+#[inline(always)]
+fn medium_lanes<S: Simd>(s: S, t: &Lanes<S>, bounds: &[S::I; 4]) -> Mask {
+    let (wide, high) = (
+        s.sub_i(s.shr_i::<3>(bounds[2]), s.shr_i::<3>(bounds[0])),
+        s.sub_i(s.shr_i::<3>(bounds[3]), s.shr_i::<3>(bounds[1])),
+    );
+    let most = s.splat_i(MEDIUM_EXTENT);
+    !s.gt_i(extent(s, &t.x), most) & !s.gt_i(extent(s, &t.y), most) & fits(s, wide, high)
+}
+
+/// Where so many columns and rows, less one, fit 2x8, 4x4 or 8x2.
+#[inline(always)]
+fn fits<S: Simd>(s: S, wide: S::I, high: S::I) -> Mask {
+    let (two, four, eight) = (s.splat_i(2), s.splat_i(4), s.splat_i(8));
+    s.gt_i(two, wide) & s.gt_i(eight, high)
+        | s.gt_i(four, wide) & s.gt_i(four, high)
+        | s.gt_i(eight, wide) & s.gt_i(two, high)
 }
 
 /// Edge functions of sixteen triangles, from the first sample of the viewport.

@@ -16,6 +16,7 @@ mod engine;
 mod facing;
 mod grid;
 mod large;
+mod medium;
 mod mesh;
 mod plane;
 mod queue;

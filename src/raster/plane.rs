@@ -155,6 +155,25 @@ impl<S: Simd> Depths<S> {
         s.add_f(s.splat_f(first), self.blocks)
     }
 
+    /// The unclamped depths of the first samples of sixteen blocks, wherever their tiles are.
+    #[inline(always)]
+    pub fn blocks(&self, s: S, x: S::I, y: S::I) -> S::F {
+        let three = s.splat_i(3);
+        let across = s.f_from_i(s.shl_i::<3>(s.and_i(x, three)));
+        let down = s.f_from_i(s.shl_i::<3>(s.and_i(y, three)));
+        let (zx, zy) = (s.splat_f(self.plane.zx as f32), s.splat_f(self.plane.zy as f32));
+        let within = s.add_f(s.mul_f(zx, across), s.mul_f(zy, down));
+        s.add_f(self.tiles(s, s.shr_i::<2>(x), s.shr_i::<2>(y)), within)
+    }
+
+    /// What each of a block's samples adds to the first.
+    #[inline(always)]
+    pub fn store_samples(&self, s: S, to: &mut [[f32; 16]; 4]) {
+        for i in 0..4 {
+            s.store_f(self.samples[i], &mut to[i]);
+        }
+    }
+
     /// The unclamped depth of the first sample of a tile.
     #[inline(always)]
     pub fn tile_first(&self, tile_x: i32, tile_y: i32) -> f32 {

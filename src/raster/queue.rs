@@ -5,6 +5,7 @@ use homcull_simd::{Mask, Simd};
 
 use super::convex::PartialBlocks;
 use super::each::each;
+use super::medium::MediumBlocks;
 use super::transform::{ScreenVertices, lanes, lanes_mut};
 
 /// Sixteen triangles in registers. Corners are in the order that has positive area on the screen.
@@ -114,6 +115,7 @@ pub(crate) struct Queues {
     pub small: Queue,
     pub large: Queue,
     pub partial: PartialBlocks,
+    pub medium: MediumBlocks,
 }
 
 impl Queues {
@@ -123,6 +125,7 @@ impl Queues {
             small: Queue::new(),
             large: Queue::new(),
             partial: PartialBlocks::new(),
+            medium: MediumBlocks::new(),
         })
     }
 }
