@@ -9,7 +9,7 @@ use super::arguments::{Depth, Kernel, Options};
 use super::{progress, setting};
 use crate::error::Result;
 use crate::measure::json::write_json;
-use crate::measure::kernels::{Agreement, KernelBench, KernelOptions, NORMAL_GHZ, Times, Verdicts};
+use crate::measure::kernels::{Agreement, Difference, KernelBench, KernelOptions, NORMAL_GHZ, Times, Verdicts};
 use crate::measure::statistics::median;
 use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
 use crate::scene::{PreparedScene, load_reference};
@@ -163,7 +163,11 @@ fn add_verdicts(value: &mut Value, v: &Verdicts) {
     let listed: Vec<Value> =
         v.brought_false.iter().map(|f| json!({"view": f.view, "object": f.object, "pixels": f.pixels})).collect();
     map.insert("brought_false_list".into(), listed.into());
-    let (differ, all) = v.references_differ;
-    let percent = 100.0 * differ as f64 / all.max(1) as f64;
-    map.insert("references".into(), json!({"differ": differ, "visible_pairs": all, "percent": percent}));
+    let pair = |d: &Difference| json!({"view": d.view, "object": d.object, "own": d.own, "brought": d.brought});
+    let listed: Vec<Value> = v.references_differ.iter().map(pair).collect();
+    let percent = 100.0 * listed.len() as f64 / v.visible_pairs.max(1) as f64;
+    map.insert(
+        "references".into(),
+        json!({"differ": listed.len(), "visible_pairs": v.visible_pairs, "percent": percent, "list": listed}),
+    );
 }

@@ -87,6 +87,19 @@ pub struct FalseCull {
     pub pixels: u32,
 }
 
+/// An object that only one of the two references calls visible.
+#[derive(Debug, Clone, Copy)]
+pub struct Difference {
+    /// In which view.
+    pub view: usize,
+    /// Which object.
+    pub object: u32,
+    /// Samples that show it in our item buffer, whose vertices are snapped to 1/256.
+    pub own: u32,
+    /// Samples that show it in the brought answer.
+    pub brought: u32,
+}
+
 /// Verdicts of a run, and what the exact answers say to them.
 #[derive(Debug, Clone, Default)]
 pub struct Verdicts {
@@ -104,8 +117,10 @@ pub struct Verdicts {
     pub brought_false: Vec<FalseCull>,
     /// Over all views: verdicts, and the effective depth of every sample. Equal at every SIMD level and thread count.
     pub hash: Hash,
-    /// (View, object) pairs that only one of the two references calls visible, and all that either does.
-    pub references_differ: (u64, u64),
+    /// (View, object) pairs that either reference calls visible.
+    pub visible_pairs: u64,
+    /// Those that only one does.
+    pub references_differ: Vec<Difference>,
 }
 
 /// `raster`: every object in the frustum into a cleared buffer.
@@ -353,9 +368,11 @@ impl<'a> KernelBench<'a> {
                 brought.add(true, pixels);
                 verdicts.brought_false.push(FalseCull { view: v, object: object as u32, pixels });
             }
-            let (ours, theirs) = (exact.pixels[object] > 0, pixels > 0);
-            verdicts.references_differ.0 += u64::from(ours != theirs);
-            verdicts.references_differ.1 += u64::from(ours || theirs);
+            let own = exact.pixels[object];
+            verdicts.visible_pairs += u64::from(own > 0 || pixels > 0);
+            if (own > 0) != (pixels > 0) {
+                verdicts.references_differ.push(Difference { view: v, object: object as u32, own, brought: pixels });
+            }
         }
         Ok(())
     }
