@@ -48,6 +48,8 @@ pub struct Selected {
     chosen: Vec<u32>,
     snapped: Option<usize>,
     occluders: Vec<Occluder>,
+    /// What is drawn in place of others, from the meshes of the database's stand-ins.
+    stand_ins: Vec<Occluder>,
     /// What the frame hears before it is culled, what it tells after.
     pub(crate) feedback: Feedback,
     /// Whether culling rests in this frame.
@@ -68,6 +70,7 @@ impl Selected {
             chosen: Vec::new(),
             snapped: None,
             occluders: Vec::new(),
+            stand_ins: Vec::new(),
             feedback: Feedback::default(),
             resting: false,
             walks_tree: false,
@@ -86,14 +89,15 @@ impl Selected {
 
     /// Triangles of the chosen occluders.
     fn occluder_triangles(&self) -> u64 {
-        self.sources.as_ref().map_or(0, |s| s.database.triangles(&self.chosen))
+        self.sources.as_ref().map_or(0, |s| s.database.triangles(&self.view, &self.chosen))
     }
 
-    /// Clears a buffer for this frame's occluders.
+    /// Clears a buffer for this frame's occluders; its pyramid waits for [`build_pyramid`].
     ///
     /// # Errors
     /// Those of [`OcclusionBuffer::begin`].
     pub(crate) fn begin(&self, buffer: &mut OcclusionBuffer) -> Result<()> {
+        buffer.pyramid_deferred = true;
         if self.resting { Ok(()) } else { buffer.begin(&self.view) }
     }
 }
@@ -240,10 +244,14 @@ pub(crate) fn select(
     selected.walks_tree = walks_tree;
     selected.chosen.clear();
     selected.occluders.clear();
+    selected.stand_ins.clear();
     selected.snapped = None;
     if selected.resting {
         world.collect(level, view, false, &mut selected.stack, &mut selected.boxes);
         return Ok(selected);
+    }
+    if parameters.needs_sources() {
+        selected.sources(world.scene, parameters)?;
     }
     if walks_tree {
         selected.boxes.clear();
@@ -252,9 +260,9 @@ pub(crate) fn select(
     world.collect(level, &selected.view, true, &mut selected.stack, &mut selected.boxes);
     if parameters.update == Update::Once {
         let sources = selected.sources(world.scene, parameters)?;
-        let Selected { view, walk, chosen, feedback, .. } = &mut selected;
-        selected.snapped = sources.choose(level, view, parameters, &feedback.occluded, walk, chosen);
-        selected.occluders.extend(selected.chosen.iter().map(|&id| *sources.database.occluder(id)));
+        let Selected { view, walk, chosen, snapped, feedback, occluders, stand_ins, .. } = &mut selected;
+        *snapped = sources.choose(level, view, parameters, &feedback.occluded, walk, chosen);
+        sources.database.draw_list(view, chosen, occluders, stand_ins);
     }
     Ok(selected)
 }
@@ -266,16 +274,22 @@ pub(crate) fn select(
 pub fn draw_occluders(world: &World<'_>, workers: &Workers, frame: HomFrame) -> Result<HomFrame> {
     let mut frame = frame;
     let HomFrame { buffer, selected, .. } = &mut frame;
-    buffer.pyramid_deferred = true;
-    if selected.resting || selected.occluders.is_empty() {
+    if selected.resting {
         return Ok(frame);
     }
-    let meshes = selected.sources.as_ref().map_or(&world.scene.meshes, |s| s.database.meshes(world.scene));
-    if workers.threads() == 1 {
-        buffer.submit(meshes, &selected.occluders)?;
-    } else {
-        let run = |jobs: &mut [BandJob<'_>]| workers.run(jobs, BandJob::run);
-        buffer.submit_in_bands(meshes, &selected.occluders, workers.bands(), run)?;
+    let database = selected.sources.as_ref().map(|s| &s.database);
+    let meshes = database.map_or(&world.scene.meshes, |d| d.meshes(world.scene));
+    let others = database.and_then(|d| d.stand_ins()).map_or(meshes, |s| s.meshes());
+    for (meshes, occluders) in [(meshes, &selected.occluders), (others, &selected.stand_ins)] {
+        if occluders.is_empty() {
+            continue;
+        }
+        if workers.threads() == 1 {
+            buffer.submit(meshes, occluders)?;
+        } else {
+            let run = |jobs: &mut [BandJob<'_>]| workers.run(jobs, BandJob::run);
+            buffer.submit_in_bands(meshes, occluders, workers.bands(), run)?;
+        }
     }
     Ok(frame)
 }
@@ -430,14 +444,17 @@ fn multi_pass(
     update_triangles: u64,
     frame: &mut HomFrame,
 ) -> Result<VisibleSet> {
-    let HomFrame { buffer, selected: Selected { boxes, occluders, .. }, tests, .. } = frame;
+    let HomFrame { buffer, selected: Selected { view, boxes, sources, occluders, stand_ins, .. }, tests, .. } = frame;
     let scene = world.scene;
+    // Sources may be left over from other parameters.
+    let forms = sources.as_ref().filter(|_| parameters.needs_sources()).and_then(|s| s.database.stand_ins());
     let mut set = VisibleSet { in_frustum: boxes.len() as u32, ..VisibleSet::default() };
     let mut bypass = Bypass::new(parameters.bypass_after);
     let mut gathered = 0;
     tests.resize_with(tests.len().max(1), Tests::default);
     let hidden = &mut tests[0].hidden;
     occluders.clear();
+    stand_ins.clear();
     for (i, b) in boxes.boxes().iter().enumerate() {
         let id = b.id();
         let triangles = u64::from(scene.triangles(id));
@@ -459,11 +476,19 @@ fn multi_pass(
         }
         set.objects.push(id);
         if buffer.occludes(&scene.occluders[id as usize]) {
-            occluders.push(scene.occluders[id as usize]);
+            let occluder = &scene.occluders[id as usize];
+            match forms.and_then(|f| f.form(view, id, scene.bounds[id as usize], scene.origin)) {
+                Some(form) => stand_ins.extend(form.occluders(occluder)),
+                None => occluders.push(*occluder),
+            }
             gathered += triangles;
             if gathered > update_triangles {
                 buffer.submit(&scene.meshes, occluders)?;
+                if let Some(forms) = forms.filter(|_| !stand_ins.is_empty()) {
+                    buffer.submit(forms.meshes(), stand_ins)?;
+                }
                 occluders.clear();
+                stand_ins.clear();
                 gathered = 0;
             }
         }

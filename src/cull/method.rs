@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use super::overlap_parameters::{OverlapParameters, overlap_parameters};
 use crate::error::{Error, Result};
 use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
-use crate::select::{Criterion, DEFAULT_TRIANGLES, Measure, StaticCriteria};
+use crate::select::{
+    Criterion, DEFAULT_OCCLUDER_LOD, DEFAULT_SHARE, DEFAULT_TRIANGLES, Measure, OccluderGeometry, StaticCriteria,
+};
 use crate::view::Viewport;
 
 /// A method and its parameters.
@@ -65,6 +67,8 @@ pub struct HomParameters {
     pub select: Selection,
     /// What they are chosen from.
     pub database: Database,
+    /// What is drawn for an occluder.
+    pub occluders: OccluderGeometry,
     /// The bake that [`Selection::Baked`] reads.
     pub bake: Option<PathBuf>,
     /// How far from the eye its view point may be, in diagonals of a cell.
@@ -113,6 +117,7 @@ impl HomParameters {
             depth: DepthRepresentation::default(),
             select: Selection::Distance(Measure::Center),
             database: Database::All,
+            occluders: OccluderGeometry::Original,
             bake: None,
             snap: DEFAULT_SNAP,
             fill: true,
@@ -149,7 +154,12 @@ impl HomParameters {
 
     /// True when the picture is guaranteed to stay the same.
     pub fn is_conservative(&self) -> bool {
-        self.overlap.is_conservative() && self.resolution.is_none()
+        self.overlap.is_conservative() && self.resolution.is_none() && self.occluders.is_conservative()
+    }
+
+    /// Whether frames need [`OccluderSources`](super::OccluderSources): to choose from, or for what stands in for occluders.
+    pub fn needs_sources(&self) -> bool {
+        self.update == Update::Once || self.occluders != OccluderGeometry::Original
     }
 }
 
@@ -172,7 +182,8 @@ pub struct MethodDescription {
 macro_rules! hom_parameters {
     () => {
         concat!(
-            "depth=nbz|nbz-block|deb|plane, deb-size=64x64 (with deb), resolution=WxH (the display's), bypass=384, rest=15, pipeline=off|on, \
+            "depth=nbz|nbz-block|deb|plane, deb-size=64x64 (with deb), resolution=WxH (the display's), \
+             occluders=original|simplified|lod, share=0.1 (with simplified), lod=4 (pixels; approximate), bypass=384, rest=15, pipeline=off|on, \
              lag=1 (3 with pipeline=on), ",
             overlap_parameters!()
         )
@@ -351,6 +362,19 @@ impl HomParameters {
                     Database::All => return Err(Error::parameter(key, value, "must follow database=static")),
                 }
             }
+            ("occluders", "original") => self.occluders = OccluderGeometry::Original,
+            ("occluders", "simplified") => self.occluders = OccluderGeometry::Simplified(DEFAULT_SHARE),
+            ("occluders", "lod") => self.occluders = OccluderGeometry::Detail(DEFAULT_OCCLUDER_LOD),
+            ("occluders", _) => return Err(bad("original, simplified or lod")),
+            ("share", _) if matches!(self.occluders, OccluderGeometry::Simplified(_)) => {
+                let share = value.parse::<f64>().ok().filter(|s| (0.0..=1.0).contains(s));
+                self.occluders = OccluderGeometry::Simplified(share.ok_or_else(|| bad("0 to 1"))?);
+            }
+            ("share", _) => return Err(bad("it must follow occluders=simplified")),
+            ("lod", _) => {
+                let pixels = value.parse::<f64>().ok().filter(|px| (0.0..f64::INFINITY).contains(px));
+                self.occluders = OccluderGeometry::Detail(pixels.ok_or_else(|| bad("pixels, 0 or more"))?);
+            }
             ("occluder-triangles", _) => self.occluder_triangles = number("a number of triangles")?,
             ("resolution", _) => self.resolution = Some(parse_resolution(value)?),
             ("bypass", _) => {
@@ -412,6 +436,17 @@ impl HomParameters {
             }
             Update::Batches(n) => out.push(("update-triangles", n.to_string())),
             Update::Always => {}
+        }
+        match self.occluders {
+            OccluderGeometry::Original => out.push(("occluders", "original".into())),
+            OccluderGeometry::Simplified(share) => {
+                out.push(("occluders", "simplified".into()));
+                out.push(("share", share.to_string()));
+            }
+            OccluderGeometry::Detail(pixels) => {
+                out.push(("occluders", "lod".into()));
+                out.push(("lod", pixels.to_string()));
+            }
         }
         if let Some(v) = self.resolution {
             out.push(("resolution", format!("{}x{}", v.width(), v.height())));

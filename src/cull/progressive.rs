@@ -21,17 +21,19 @@ use crate::occlusion::{
 };
 use crate::raster::{Engine, Queues, RasterCounts};
 use crate::scene::{Child, WideHierarchy};
+use crate::select::StandIns;
 use crate::view::View;
 
 /// Walks the hierarchy of one frame.
 pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut HomFrame) -> VisibleSet {
-    let HomFrame { buffer, selected: Selected { view, boxes, stack, .. }, .. } = frame;
+    let HomFrame { buffer, selected: Selected { view, boxes, stack, sources, .. }, .. } = frame;
     let box_view = world.box_view(view);
     let reading = buffer.reading();
     let OcclusionSettings { no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
     let (level, mut sink, queues, counts) = buffer.parts();
     let walk = Walk {
         world,
+        stand_ins: sources.as_ref().filter(|_| parameters.needs_sources()).and_then(|s| s.database.stand_ins()),
         view,
         box_view: &box_view,
         reading,
@@ -49,6 +51,7 @@ pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut Ho
 
 struct Walk<'a, 'w, 'r, 's> {
     world: &'a World<'w>,
+    stand_ins: Option<&'a StandIns>,
     view: &'a View,
     box_view: &'a BoxView,
     reading: DepthReading,
@@ -95,7 +98,7 @@ impl Kernel for Walk<'_, '_, '_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> VisibleSet {
         let Walk { world, view, box_view, reading, no_sample_is_hidden, cluster_test, bypass_after, .. } = self;
-        let Walk { sink, queues, counts, rest, stack, .. } = self;
+        let Walk { stand_ins, sink, queues, counts, rest, stack, .. } = self;
         let (scene, tree) = (world.scene, &world.tree);
         let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test };
         let mut placed = PlacedRows::new(view);
@@ -127,11 +130,22 @@ impl Kernel for Walk<'_, '_, '_, '_> {
                     if hidden {
                         set.triangles_hidden += u64::from(scene.triangles(b.id()));
                     } else {
-                        let occluder = &scene.occluders[b.id() as usize];
-                        set.objects.push(b.id());
-                        if occluder.opaque {
-                            engine.draw(&scene.meshes, &placed.placement(occluder));
-                            engine.flush();
+                        let (id, occluder) = (b.id(), &scene.occluders[b.id() as usize]);
+                        set.objects.push(id);
+                        let form = stand_ins
+                            .and_then(|s| Some((s, s.form(view, id, scene.bounds[id as usize], scene.origin)?)));
+                        match form {
+                            Some((stand_ins, form)) => {
+                                for piece in form.occluders(occluder) {
+                                    engine.draw(stand_ins.meshes(), &placed.placement(&piece));
+                                }
+                                engine.flush();
+                            }
+                            None if occluder.opaque => {
+                                engine.draw(&scene.meshes, &placed.placement(occluder));
+                                engine.flush();
+                            }
+                            None => {}
                         }
                     }
                     if objects_tested % BYPASS_BATCH == 0 && bypass.is_due() {

@@ -9,7 +9,10 @@ use homcull_simd::Level;
 use super::method::{Database, HomParameters, Selection};
 use crate::error::{Error, Result};
 use crate::scene::PreparedScene;
-use crate::select::{BakedVisibility, Measure, Occluded, OccluderDatabase, Order, StaticSelection, WalkMemory};
+use crate::select::{
+    BakedVisibility, Measure, Occluded, OccluderDatabase, OccluderGeometry, Order, StandIns, StaticSelection,
+    WalkMemory,
+};
 use crate::view::View;
 
 /// The sources of one method in one scene. Read by any number of frames.
@@ -20,15 +23,41 @@ pub struct OccluderSources {
     /// What is seen from where, when selection asks for it.
     baked: Option<BakedVisibility>,
     scene: u64,
-    /// The parameters that it was made by: the database's, the bake's file, and whether layers are fused.
-    made_by: (Database, Option<PathBuf>, bool),
+    /// The parameters that it was made by.
+    made_by: MadeBy,
+}
+
+/// The parameters that decide on sources.
+#[derive(Debug, Clone, PartialEq)]
+struct MadeBy {
+    database: Database,
+    bake: Option<PathBuf>,
+    fused: bool,
+    occluders: OccluderGeometry,
+}
+
+impl MadeBy {
+    fn of(parameters: &HomParameters) -> MadeBy {
+        let HomParameters { database, occluders, overlap, .. } = parameters;
+        let (database, occluders) = (*database, *occluders);
+        MadeBy { database, bake: bake_of(parameters).cloned(), fused: overlap.fusion.is_some(), occluders }
+    }
+
+    /// Asked every frame: allocates nothing.
+    fn agrees(&self, parameters: &HomParameters) -> bool {
+        let MadeBy { database, bake, fused, occluders } = self;
+        *database == parameters.database
+            && bake.as_ref() == bake_of(parameters)
+            && *fused == parameters.overlap.fusion.is_some()
+            && *occluders == parameters.occluders
+    }
 }
 
 impl OccluderSources {
     /// Builds the database that the parameters ask for, and reads their bake.
     ///
     /// # Errors
-    /// Those of [`StaticSelection::new`] and [`BakedVisibility::load`]; [`Error::Parameter`] when a bake is to be used and none
+    /// Those of [`StaticSelection::new`], [`StandIns::new`] and [`BakedVisibility::load`]; [`Error::Parameter`] when a bake is to be used and none
     /// is named.
     pub fn new(scene: &PreparedScene, parameters: &HomParameters) -> Result<OccluderSources> {
         let selection = match &parameters.database {
@@ -40,8 +69,9 @@ impl OccluderSources {
             None => OccluderDatabase::of_scene(scene, may_occlude),
             Some(_) => OccluderDatabase::of_fused_scene(scene, may_occlude),
         };
+        let database = database.with_stand_ins(StandIns::new(scene, parameters.occluders)?);
         let mut sources = OccluderSources::with_database(database, scene, parameters);
-        if let Some(path) = sources.made_by.1.as_ref() {
+        if let Some(path) = sources.made_by.bake.as_ref() {
             sources.baked = Some(BakedVisibility::load(path, scene)?);
         } else if parameters.select == Selection::Baked {
             return Err(Error::parameter("select", "baked", "needs a bake"));
@@ -56,17 +86,12 @@ impl OccluderSources {
         scene: &PreparedScene,
         parameters: &HomParameters,
     ) -> OccluderSources {
-        let made_by = (parameters.database, bake_of(parameters).cloned(), parameters.overlap.fusion.is_some());
-        OccluderSources { database, baked: None, scene: scene.hash, made_by }
+        OccluderSources { database, baked: None, scene: scene.hash, made_by: MadeBy::of(parameters) }
     }
 
     /// Whether these are the sources of that scene under those parameters.
     pub fn are_of(&self, scene: &PreparedScene, parameters: &HomParameters) -> bool {
-        let (database, bake, fused) = &self.made_by;
-        self.scene == scene.hash
-            && *database == parameters.database
-            && bake.as_ref() == bake_of(parameters)
-            && *fused == parameters.overlap.fusion.is_some()
+        self.scene == scene.hash && self.made_by.agrees(parameters)
     }
 
     /// Chooses the occluders of a view, appended to `chosen`: ids in the database. `before` is what was in the frustum and occluded,

@@ -16,7 +16,7 @@ use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::{self, HomFrame};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, Method, Update, VisibleSet, ideal};
+use crate::cull::{FeedbackLine, HomParameters, Method, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -210,7 +210,7 @@ impl<'m> Runner<'m> {
         let hom = match method {
             Method::Hom(parameters) => {
                 let mut frame = HomFrame::new(view, options.level, parameters)?;
-                if parameters.update == Update::Once {
+                if parameters.needs_sources() {
                     frame.sources(world.scene, parameters)?;
                 }
                 Some(frame)
@@ -330,6 +330,7 @@ impl Tally {
 
     fn finish(self, method: &Method) -> MethodRun {
         MethodRun {
+            name: None,
             method: method.name().to_owned(),
             parameters: method.parameters(),
             frames: self.frames,

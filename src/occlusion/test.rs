@@ -282,6 +282,21 @@ impl TestMany<'_> {
     }
 }
 
+struct TestDepth<'a> {
+    buffer: &'a OcclusionBuffer,
+    r: SampleRect,
+    z: f32,
+}
+
+impl Kernel for TestDepth<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> bool {
+        self.buffer.apart().is_behind(s, self.r, self.z)
+    }
+}
+
 impl OcclusionBuffer {
     /// Tests one box, given about `origin`: may any of it be seen?
     ///
@@ -338,6 +353,16 @@ impl OcclusionBuffer {
     pub fn test_one_projected(&self, b: &ProjectedBox, bounds: &[Aabb], origin: DVec3) -> Result<Verdict> {
         let view = self.box_view(self.begun()?, origin);
         Ok(self.level.run(TestOne { buffer: self, view: &view, b, bounds }))
+    }
+
+    /// The depth test alone (6.1) of one projected box that is not cut by the near plane: does it stay clear of all that is visible of
+    /// the occluders? One without a sample does.
+    ///
+    /// # Errors
+    /// [`Error::View`](crate::Error::View) when no view has begun.
+    pub fn passes_depth_test(&self, b: &ProjectedBox) -> Result<bool> {
+        self.begun()?;
+        Ok(b.rect().is_empty() || self.level.run(TestDepth { buffer: self, r: b.rect(), z: b.depth }))
     }
 
     /// The whole screen's state, where both tests are one; `None` where they are not.

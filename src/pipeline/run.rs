@@ -11,7 +11,7 @@ use homcull_simd::Level;
 use super::schedule::{DrawStage, FrameTimes, run_in_turn, run_pipelined};
 use crate::cull::hom::{self, HomFrame, Selected};
 use crate::cull::vfc::World;
-use crate::cull::{FeedbackLine, HomParameters, OccluderSources, Update, VisibleSet};
+use crate::cull::{FeedbackLine, HomParameters, OccluderSources, VisibleSet};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::view::View;
@@ -70,10 +70,7 @@ pub fn run<I: Into<FrameInput>>(
     let mut inputs = inputs.into_iter().map(Into::into).peekable();
     let Some(first) = inputs.peek().map(|input| input.view) else { return parameters.check() };
     let mut frame = HomFrame::new(&first, level, parameters)?;
-    let sources = match parameters.update {
-        Update::Once => Some(frame.sources(world.scene, parameters)?),
-        Update::Always | Update::Batches(_) => None,
-    };
+    let sources = if parameters.needs_sources() { Some(frame.sources(world.scene, parameters)?) } else { None };
     let walks_tree = hom::walks_tree(parameters, &frame.buffer);
     let mut draw = HomDraw {
         world,

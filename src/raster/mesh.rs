@@ -183,6 +183,27 @@ impl PreparedMeshes {
         self.meshes[mesh.0 as usize].triangles
     }
 
+    /// Corners of a mesh's triangles, in the order in which they were given, counter-clockwise in front.
+    pub fn corners(&self, mesh: MeshId) -> Vec<[Vec3; 3]> {
+        let range = &self.meshes[mesh.0 as usize];
+        let mut out = vec![[Vec3::ZERO; 3]; range.triangles as usize];
+        for cluster in &self.clusters[range.first_cluster as usize..range.end_cluster as usize] {
+            let at = |corner: u8| {
+                let (group, lane) =
+                    (&self.groups[cluster.first_group as usize + usize::from(corner / 16)], corner % 16);
+                let lane = usize::from(lane);
+                Vec3::new(group.x[lane], group.y[lane], group.z[lane])
+            };
+            for t in 0..usize::from(cluster.triangles) {
+                let (batch, lane) = (cluster.first_batch as usize + t / 16, t % 16);
+                // Stored clockwise: two corners change places again.
+                let [a, c, b] = self.batches[batch].corners.map(|side| at(side[lane]));
+                out[self.numbers[batch][lane] as usize] = [a, b, c];
+            }
+        }
+        out
+    }
+
     fn push_cluster(&mut self, positions: &[Vec3], triangles: &[[u32; 3]], vertices: &[u32], members: &[u32]) {
         let cluster = Cluster {
             first_group: self.groups.len() as u32,

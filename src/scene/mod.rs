@@ -4,6 +4,8 @@ mod benchmark;
 mod generate;
 #[cfg(feature = "bvh")]
 mod hierarchy;
+#[cfg(feature = "lod")]
+pub mod lod;
 mod mesh;
 mod model;
 #[cfg(feature = "obj")]
@@ -12,7 +14,7 @@ mod mtl;
 mod obj;
 #[cfg(feature = "obj")]
 mod obj_scan;
-#[cfg(feature = "obj")]
+#[cfg(any(feature = "obj", feature = "lod"))]
 mod polygon;
 mod prepared;
 mod random;
@@ -32,6 +34,8 @@ pub use model::{Object, Scene};
 #[cfg(feature = "obj")]
 pub use obj::load_obj;
 pub use prepared::PreparedScene;
+#[cfg(feature = "cli")]
+pub(crate) use source::path_views;
 #[cfg(feature = "cli")]
 pub use source::{Loaded, SceneSource, Views, load};
 pub use subdivide::{Subdivision, subdivide};

@@ -12,7 +12,8 @@ use std::collections::BinaryHeap;
 use glam::{DVec3, Vec3};
 use homcull_simd::{Kernel, Level, Simd};
 
-use super::Measure;
+use super::stand_ins::Form;
+use super::{Measure, StandIns};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::occlusion::{ALL_PLANES, BoxGroup, BoxView, Edges, Occluder, planes_left};
@@ -32,6 +33,8 @@ pub struct OccluderDatabase {
     origin: DVec3,
     tree: WideHierarchy,
     members: usize,
+    /// What is drawn in place of them.
+    stand_ins: Option<StandIns>,
 }
 
 /// In which order occluders are taken, and how far.
@@ -112,7 +115,17 @@ impl OccluderDatabase {
         let bounds: Vec<Aabb> = bounds.into_iter().map(|b| if b.is_finite() { b } else { Aabb::EMPTY }).collect();
         let tree = WideHierarchy::new(&bounds);
         let members = bounds.iter().filter(|b| !b.is_empty()).count();
-        OccluderDatabase { meshes, occluders, bounds, triangles, origin, tree, members }
+        OccluderDatabase { meshes, occluders, bounds, triangles, origin, tree, members, stand_ins: None }
+    }
+
+    /// The same, with other geometry in place of its occluders: those of the scene that `stand_ins` were made of.
+    pub fn with_stand_ins(self, stand_ins: Option<StandIns>) -> OccluderDatabase {
+        OccluderDatabase { stand_ins, ..self }
+    }
+
+    /// What is drawn in place of some occluders, if anything is.
+    pub fn stand_ins(&self) -> Option<&StandIns> {
+        self.stand_ins.as_ref()
     }
 
     /// Occluders in it.
@@ -140,9 +153,31 @@ impl OccluderDatabase {
         self.meshes.as_ref().unwrap_or(&scene.meshes)
     }
 
-    /// Triangles of occluders together.
-    pub fn triangles(&self, ids: &[u32]) -> u64 {
-        ids.iter().filter_map(|&id| self.triangles.get(id as usize)).map(|&n| u64::from(n)).sum()
+    /// Triangles that occluders have together in a view: those of what stands in for them.
+    pub fn triangles(&self, view: &View, ids: &[u32]) -> u64 {
+        ids.iter().map(|&id| u64::from(self.cost(view, id))).sum()
+    }
+
+    /// Triangles of one in a view; 0 of an unknown one.
+    fn cost(&self, view: &View, id: u32) -> u32 {
+        let own = self.triangles.get(id as usize).copied().unwrap_or_default();
+        self.form(view, id).map_or(own, |form| form.triangles)
+    }
+
+    fn form(&self, view: &View, id: u32) -> Option<Form> {
+        self.stand_ins.as_ref()?.form(view, id, *self.bounds.get(id as usize)?, self.origin)
+    }
+
+    /// Adds what is drawn for occluders in a view: to `own` what is in [`OccluderDatabase::meshes`], to `others` what is in the
+    /// meshes of its stand-ins.
+    pub fn draw_list(&self, view: &View, ids: &[u32], own: &mut Vec<Occluder>, others: &mut Vec<Occluder>) {
+        for &id in ids {
+            let occluder = &self.occluders[id as usize];
+            match self.form(view, id) {
+                Some(form) => others.extend(form.occluders(occluder)),
+                None => own.push(*occluder),
+            }
+        }
     }
 
     /// Chooses occluders in the frustum in an order, and appends them to `chosen`. Stops before the triangles of all that is there
@@ -164,17 +199,26 @@ impl OccluderDatabase {
         before.resize(self.bounds.len(), false);
         mark(before, chosen, true);
         let there = chosen.len();
-        let taken = Taken { triangles: self.triangles(chosen), limit, chosen };
+        let taken = Taken { triangles: self.triangles(view, chosen), limit, chosen };
         let new = |id| !before[id as usize] && candidate(id);
-        level.run(Walk { database: self, view: &self.box_view(view), eye, order, candidate: &new, front, taken });
+        level.run(Walk {
+            database: self,
+            seen: view,
+            view: &self.box_view(view),
+            eye,
+            order,
+            candidate: &new,
+            front,
+            taken,
+        });
         mark(before, &chosen[..there], false);
     }
 
     /// Goes through a list in its own order and appends what is in the database and in the frustum (7.5), under the same limit.
     /// Ids beyond the database count as not in it. True when the list came to its end within the limit.
     pub fn choose_in_order(&self, level: Level, view: &View, list: &[u32], limit: u64, chosen: &mut Vec<u32>) -> bool {
-        let taken = Taken { triangles: self.triangles(chosen), limit, chosen };
-        level.run(InOrder { database: self, view: &self.box_view(view), list, taken })
+        let taken = Taken { triangles: self.triangles(view, chosen), limit, chosen };
+        level.run(InOrder { database: self, seen: view, view: &self.box_view(view), list, taken })
     }
 
     fn box_view(&self, view: &View) -> BoxView {
@@ -247,6 +291,7 @@ const OBJECT: u64 = 1 << 31;
 
 struct Walk<'a> {
     database: &'a OccluderDatabase,
+    seen: &'a View,
     view: &'a BoxView,
     eye: Vec3,
     order: Order,
@@ -260,7 +305,7 @@ impl Kernel for Walk<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
-        let Walk { database, view, eye, order, candidate, front, mut taken } = self;
+        let Walk { database, seen, view, eye, order, candidate, front, mut taken } = self;
         let (tree, end) = (&database.tree, order.end());
         front.clear();
         if !tree.is_empty() {
@@ -273,7 +318,7 @@ impl Kernel for Walk<'_> {
             }
             if key & OBJECT != 0 {
                 let id = number & !(OBJECT as u32);
-                if candidate(id) && !taken.take(id, database.triangles[id as usize]) {
+                if candidate(id) && !taken.take(id, database.cost(seen, id)) {
                     return;
                 }
                 continue;
@@ -296,6 +341,7 @@ impl Kernel for Walk<'_> {
 
 struct InOrder<'a> {
     database: &'a OccluderDatabase,
+    seen: &'a View,
     view: &'a BoxView,
     list: &'a [u32],
     taken: Taken<'a>,
@@ -306,7 +352,7 @@ impl Kernel for InOrder<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> bool {
-        let InOrder { database, view, list, mut taken } = self;
+        let InOrder { database, seen, view, list, mut taken } = self;
         for ids in list.chunks(16) {
             let (mut group, mut used) = (BoxGroup::NONE, 0);
             for (lane, &id) in ids.iter().enumerate() {
@@ -320,7 +366,7 @@ impl Kernel for InOrder<'_> {
             while k != 0 {
                 let id = ids[k.trailing_zeros() as usize];
                 k &= k - 1;
-                if !taken.take(id, database.triangles[id as usize]) {
+                if !taken.take(id, database.cost(seen, id)) {
                     return false;
                 }
             }
