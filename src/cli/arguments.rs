@@ -38,10 +38,10 @@ pub struct Arguments {
 pub enum Command {
     /// Walk a camera path with one method or several, and compare them
     Walk {
-        /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
+        /// A model (.obj), a benchmark folder, a generator or a preset: NAME[:key=value,...]
         scene: String,
-        /// A method, NAME[:key=value,...]; repeat it to compare several
-        #[arg(long = "method", value_name = "METHOD", default_value = "hom")]
+        /// A method, NAME[:key=value,...]; repeat it to compare several. When left out hom, or what the preset has
+        #[arg(long = "method", value_name = "METHOD")]
         methods: Vec<String>,
     },
     /// Measure one kernel alone
@@ -66,10 +66,20 @@ pub enum Command {
         #[command(flatten)]
         bake: BakeArguments,
     },
+    /// Make an experiment on a claim of the thesis; without a name, list them
+    Experiment {
+        /// Which
+        name: Option<String>,
+        /// A scene other than the experiment's own
+        scene: Option<String>,
+    },
     /// Show what a scene is made of
     Inspect {
         /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
         scene: String,
+        /// Which of its parts are closed, and how few triangles stand in for them as occluders
+        #[arg(long)]
+        occluders: bool,
     },
     /// List the scene generators and their parameters
     Scenes,
@@ -270,6 +280,12 @@ impl Size {
             (Some(width), Some(height)) => Ok(Size { width, height }),
             _ => Err(Error::Size { width, height }),
         }
+    }
+
+    /// A size; `None` for a side of 0 or beyond 16384.
+    pub fn new(width: u32, height: u32) -> Option<Size> {
+        let fits = |side: u32| (1..=MAX_SIDE).contains(&u64::from(side));
+        (fits(width) && fits(height)).then_some(Size { width, height })
     }
 
     /// Width in pixels, 1 to 16384.

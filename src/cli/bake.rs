@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use glam::{DVec3, UVec3};
+use glam::DVec3;
 use serde_json::json;
 
 use super::arguments::{BakeArguments, Options};
@@ -11,6 +11,7 @@ use super::{files, progress, setting};
 use crate::error::{Error, Result};
 use crate::measure::bake::{BakeOptions, BakeSummary, bake, default_near, scene_box};
 use crate::measure::json::write_json;
+use crate::measure::preset::view_points;
 use crate::measure::report_number::grouped;
 use crate::scene;
 use crate::select::ViewGrid;
@@ -23,7 +24,7 @@ pub fn run(argument: &str, arguments: &BakeArguments, options: &Options) -> Resu
         return Err(Error::file(out, "is a folder; bake writes a file"));
     }
     files::check_targets(options)?;
-    let cells = cells(&arguments.grid)?;
+    let cells = view_points(&arguments.grid)?;
     let (least, greatest) = (corner("min", &arguments.min)?, corner("max", &arguments.max)?);
     let (level, workers) = (setting::level(options)?, setting::workers(options, setting::processors())?);
     let scene = scene::load(argument, None)?.scene;
@@ -83,15 +84,6 @@ fn print(summary: &BakeSummary, bytes: u64, seconds: f64) {
     println!("  sees        {} objects from a point, on the mean", grouped(mean));
     println!("  took        {seconds:.1} s, {} of {} steps from the journal", summary.resumed, 2 * summary.points);
     println!("  bytes       {}", grouped(bytes));
-}
-
-/// `20x10x20`.
-fn cells(text: &str) -> Result<UVec3> {
-    let numbers: Option<Vec<u32>> = text.split('x').map(|n| n.parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, z]) => Ok(UVec3::new(x, y, z)),
-        _ => Err(Error::parameter("grid", text, "must be XxYxZ view points, as 20x10x20")),
-    }
 }
 
 /// `-10,0,2.5`.

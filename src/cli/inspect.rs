@@ -8,6 +8,7 @@ use crate::cull;
 use crate::error::Result;
 use crate::geometry::Aabb;
 use crate::measure::json::write_json;
+use crate::measure::preset::presets;
 use crate::measure::report_number::grouped;
 use crate::scene::{self, Hierarchy, PreparedScene};
 use crate::select::{Criterion, StaticCriteria, StaticSelection};
@@ -98,10 +99,18 @@ impl Occluders {
     }
 }
 
-/// The generators and their defaults.
+/// The generators and their defaults, and the presets.
 pub fn generators() -> Result<()> {
     for g in scene::generators() {
         println!("{}:seed={},triangles={}\n    {}", g.name, g.seed, g.triangles, g.about);
+    }
+    println!("\nPresets, of `walk` alone: the thesis's experiments, with the generator's parameters");
+    for p in presets() {
+        let grid = p.grid.map(|[x, y, z]| format!(":grid={x}x{y}x{z}")).unwrap_or_default();
+        println!(
+            "{}{grid}\n    section {}: {}; {} and, as in 1998, {}",
+            p.name, p.section, p.generator, p.method, p.thresholds
+        );
     }
     Ok(())
 }

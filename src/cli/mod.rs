@@ -3,10 +3,13 @@
 pub mod arguments;
 mod bake;
 mod demonstration;
+mod experiment;
 mod files;
 mod inspect;
 mod measure;
+mod occluders;
 mod pictures;
+mod preset;
 mod progress;
 mod setting;
 mod stability;
@@ -49,7 +52,9 @@ fn execute(arguments: &Arguments) -> Result<()> {
             measure::run(*kernel, scene, cluster_test.is_on(), *depth, options)
         }
         Some(Command::Bake { scene, bake }) => bake::run(scene, bake, options),
-        Some(Command::Inspect { scene }) => inspect::scene(scene, options),
+        Some(Command::Inspect { scene, occluders: true }) => occluders::run(scene, options),
+        Some(Command::Inspect { scene, .. }) => inspect::scene(scene, options),
+        Some(Command::Experiment { name, scene }) => experiment::run(name.as_deref(), scene.as_deref(), options),
         Some(Command::Scenes) => inspect::generators(),
         Some(Command::Methods) => inspect::methods(),
         Some(Command::Stability) => stability::run(options),

@@ -55,7 +55,7 @@ impl<'a> Pictures<'a> {
         if !self.frames.contains(&look.frame) {
             return Ok(());
         }
-        let name = self.methods[look.method].name();
+        let name = self.name(look.method);
         let file = |what: &str| self.out.join(format!("{what}-{:04}-{name}.png", look.frame));
         if look.method == 0 {
             let path = self.out.join(format!("frame-{:04}.png", look.frame));
@@ -65,6 +65,15 @@ impl<'a> Pictures<'a> {
         let (culled, pyramid) = (file("culled"), file("pyramid"));
         pyramid_picture(hom.buffer.pyramid())?.write_png(&pyramid)?;
         self.seen_from_above(look.drawn, look.in_frustum, look.view)?.write_png(&culled)
+    }
+
+    /// What a method's files are called: numbered where there are several of a name.
+    fn name(&self, method: usize) -> String {
+        let name = self.methods[method].name();
+        match self.methods.iter().filter(|m| m.name() == name).count() {
+            1 => name.to_owned(),
+            _ => format!("{}-{name}", method + 1),
+        }
     }
 
     /// The scene from above: drawn objects in their colours, culled ones in red, those outside the frustum faint.

@@ -2,9 +2,9 @@
 
 use homcull_simd::Level;
 
-use super::arguments::Options;
+use super::arguments::{Options, Size};
 use crate::error::{Error, Result};
-use crate::scene::{self, Scene, Views};
+use crate::scene::{self, Generated, Scene, Views};
 use crate::view::{ClipSpace, View, Viewport};
 use crate::workers::Workers;
 
@@ -45,6 +45,18 @@ pub fn load(argument: &str, options: &Options, nominal: bool) -> Result<Setting>
     };
     let viewport = Viewport::new(width, height)?;
     let views = views(&loaded.views, options.frames.map(|n| n as usize), viewport)?;
+    Ok(Setting { scene, views, viewport })
+}
+
+/// A generated scene with its own walk, or the one asked for.
+pub fn of_generated(name: &str, generated: Generated, options: &Options) -> Result<Setting> {
+    let size = options.size.unwrap_or(Size::DEFAULT);
+    let viewport = Viewport::new(size.width(), size.height())?;
+    let own = Views::Path(generated.path, generated.frames);
+    let given = options.path.as_deref().map(scene::path_views).transpose()?;
+    let views = views(&given.unwrap_or(own), options.frames.map(|n| n as usize), viewport)?;
+    let mut scene = generated.scene;
+    scene.name = name.to_owned();
     Ok(Setting { scene, views, viewport })
 }
 

@@ -5,15 +5,18 @@ use std::path::Path;
 use super::arguments::Options;
 use super::pictures::Pictures;
 use super::setting::{self, Setting};
-use super::{files, progress};
+use super::{files, preset, progress};
 use crate::cull::Method;
 use crate::error::Result;
 use crate::measure::plot::{FrameAxis, culling_graph, frame_rate_graph};
+use crate::measure::preset::Preset;
 use crate::measure::report::WalkReport;
 use crate::measure::walk::{WalkOptions, walk};
 use crate::measure::{csv, json, table_walk};
 use crate::scene::PreparedScene;
 
+/// The method of a walk that does not say which.
+const DEFAULT_METHOD: &str = "hom";
 /// Times each frame is drawn by each method unless said otherwise: once, so that a walk is a walk.
 const REPETITIONS: usize = 1;
 /// Frames written as pictures when there is a folder for them.
@@ -21,6 +24,10 @@ const IMAGES: usize = 3;
 
 /// Walks, prints the table, and writes what was asked for.
 pub fn run(scene: &str, methods: &[String], options: &Options) -> Result<()> {
+    if let Some(expanded) = Preset::parse(scene)? {
+        return preset::run(&expanded, methods, options);
+    }
+    let methods = if methods.is_empty() { &[DEFAULT_METHOD.to_owned()] } else { methods };
     let methods = methods.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let out = options.out.as_deref().map(files::folder).transpose()?;
     files::check_targets(options)?;

@@ -70,6 +70,9 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
         "image_hash": hash(run.image_hash),
         "visible_set_hash": hash(run.visible_set_hash),
     });
+    if let Some(name) = &run.name {
+        value["name"] = json!(name);
+    }
     if let (false, Some(fields)) = (run.overlap.is_empty(), value.as_object_mut()) {
         let tests = json!({"passed_at_level": run.overlap.passed, "failed_at_level": run.overlap.failed});
         fields.insert("overlap_tests".into(), tests);

@@ -4,7 +4,11 @@
 pub mod bake;
 pub mod clock;
 #[cfg(feature = "cli")]
+pub mod comparison;
+#[cfg(feature = "cli")]
 pub mod csv;
+#[cfg(feature = "cli")]
+pub mod experiments;
 #[cfg(feature = "cli")]
 pub mod json;
 pub mod kernels;
@@ -19,6 +23,8 @@ mod plot_canvas;
 mod plot_chart;
 #[cfg(feature = "cli")]
 mod plot_labels;
+#[cfg(feature = "bvh")]
+pub mod preset;
 pub mod report;
 pub mod report_number;
 pub mod report_target;

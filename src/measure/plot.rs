@@ -21,6 +21,10 @@ use super::report_number::tick;
 use super::table_walk::heading;
 use crate::error::Result;
 
+/// Labels of the axes.
+const X_TICKS: usize = 13;
+const Y_TICKS: usize = 9;
+
 /// What the frame-rate graph shows upwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameAxis {
@@ -116,8 +120,8 @@ fn frame_graph(path: &Path, title: &str, subtitle: &str, unit: &str, curves: &[C
     let legend: Vec<(Pen, &str)> = shown.iter().map(|curve| (curve.pen, curve.name.as_str())).collect();
     paint(path, SIZE, |root| {
         let area = head(root, title, subtitle, &legend)?;
-        let x = Axis { name: "frame", range: 0.0..last_frame, tick: &whole };
-        let y = Axis { name: unit, range: 0.0..top, tick: &tick };
+        let x = Axis { name: "frame", range: 0.0..last_frame, ticks: X_TICKS, tick: &whole };
+        let y = Axis { name: unit, range: 0.0..top, ticks: Y_TICKS, tick: &tick };
         let mut chart = chart(&area, x, y)?;
         for curve in &shown {
             let points = curve.values.iter().enumerate().filter(|(_, value)| value.is_finite());
@@ -144,8 +148,8 @@ pub fn error_against_time(path: &Path, title: &str, subtitle: &str, series: &[Sc
     paint(path, SIZE, |root| {
         let area = head(root, title, subtitle, &legend)?;
         let y_tick = |place| scale.tick(place);
-        let x = Axis { name: "milliseconds a frame", range: times, tick: &tick };
-        let y = Axis { name: "wrong pixels, percent", range: scale.range(), tick: &y_tick };
+        let x = Axis { name: "milliseconds a frame", range: times, ticks: X_TICKS, tick: &tick };
+        let y = Axis { name: "wrong pixels, percent", range: scale.range(), ticks: Y_TICKS, tick: &y_tick };
         let mut chart = chart(&area, x, y)?;
         let (mut dots, mut lines) = (Vec::new(), Vec::new());
         for (pen, series) in pens().zip(series) {

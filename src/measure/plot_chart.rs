@@ -38,6 +38,8 @@ pub(super) type Chart<'a, 'b> = ChartContext<'a, Canvas<'b>, Cartesian2d<RangedC
 pub(super) struct Axis<'a> {
     pub(super) name: &'a str,
     pub(super) range: std::ops::Range<f64>,
+    /// About so many labels.
+    pub(super) ticks: usize,
     pub(super) tick: &'a dyn Fn(f64) -> String,
 }
 
@@ -127,8 +129,8 @@ pub(super) fn chart<'a, 'b>(area: &'a Area<'b>, x: Axis<'_>, y: Axis<'_>) -> Dra
         .light_line_style(TRANSPARENT)
         .bold_line_style(GRID.stroke_width(px(1) as u32))
         .axis_style(FAINT_INK.stroke_width(px(1) as u32))
-        .x_labels(13)
-        .y_labels(9)
+        .x_labels(x.ticks)
+        .y_labels(y.ticks)
         .x_label_formatter(&|value| (x.tick)(*value))
         .y_label_formatter(&|value| (y.tick)(*value))
         .label_style(text(17, INK))

@@ -85,6 +85,8 @@ pub struct FrameRecord {
 /// One method's walk along the path.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MethodRun {
+    /// What a preset calls it.
+    pub name: Option<String>,
     /// The method's name, without parameters.
     pub method: String,
     /// Its parameters and their values, in the order in which the method prints them.
@@ -331,14 +333,15 @@ impl WalkReport {
         self.runs.first().is_none_or(|first| first.image_hash == run.image_hash)
     }
 
-    /// A short name for each run: the method, with those parameters only in which it differs from
+    /// A short name for each run: what a preset calls it, else the method, with those parameters only in which it differs from
     /// another run of the same method.
     pub fn labels(&self) -> Vec<String> {
         let differs = |run: &MethodRun, key: &str, value: &str| {
             let mut others = self.runs.iter().filter(|other| other.method == run.method);
             others.any(|other| other.parameter(key) != Some(value))
         };
-        self.runs.iter().map(|run| run.name_with(|key, value| differs(run, key, value))).collect()
+        let made = |run: &MethodRun| run.name_with(|key, value| differs(run, key, value));
+        self.runs.iter().map(|run| run.name.clone().unwrap_or_else(|| made(run))).collect()
     }
 }
 

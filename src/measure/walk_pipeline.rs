@@ -76,7 +76,7 @@ impl Path<'_> {
     }
 }
 
-fn times_of(complete: &CompleteFrame<'_>) -> FrameRecord {
+pub(super) fn times_of(complete: &CompleteFrame<'_>) -> FrameRecord {
     let (times, pyramid) = (&complete.times, complete.pyramid_ms);
     let stage_ms = StageTimes {
         select: times.select.busy_ms,

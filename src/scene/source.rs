@@ -113,7 +113,11 @@ pub fn load(argument: &str, path_override: Option<&Path>) -> Result<Loaded> {
     SceneSource::resolve(argument)?.load(path_override)
 }
 
-fn path_views(path: &Path) -> Result<Views> {
+/// The views of a camera path's file.
+///
+/// # Errors
+/// Those of [`load_path_file`].
+pub(crate) fn path_views(path: &Path) -> Result<Views> {
     let file = load_path_file(path)?;
     Ok(Views::Path(file.path, file.frames.unwrap_or(FRAMES)))
 }
