@@ -86,7 +86,6 @@ impl Work<'_> {
     /// How corner `v` may go, if it may.
     fn removal(&self, v: u32, merge: Merge) -> Option<Removal> {
         let (link, closed) = self.link(v)?;
-        let n = link.len();
         if closed {
             let around: Vec<u32> = link.iter().chain(&link[..1]).copied().collect();
             if let Some(axis) = self.flat(v, &around) {
