@@ -33,7 +33,7 @@ const FINEST: usize = 4;
 const THRESHOLDS: [f64; 2] = [1.0, 0.85];
 /// "Very few" tests, in percent: this experiment's reading.
 const FEW: f64 = 10.0;
-/// What may be lost, in percent of what could be culled, where the thesis says that further descent does not help.
+/// What may be lost, in percent of what all levels cull, where the thesis says that further descent does not help.
 const LITTLE: f64 = 5.0;
 
 fn run(bench: &Bench<'_>, places: &[Place]) -> Result<Findings> {
@@ -165,6 +165,6 @@ fn little_lost(place: &Place, threshold: f64, report: &WalkReport) -> Option<Sta
             digits3(active),
             digits3(all),
         ),
-        holds: all - active <= LITTLE,
+        holds: all - active <= LITTLE / 100.0 * all,
     })
 }
