@@ -11,7 +11,7 @@ use crate::measure::plot_chart::{self, INK, Pen, SIZE, chart, head};
 use crate::measure::report_number::tick;
 
 /// Points that are marked on a curve, at most: more would be a band of dots.
-const MOST_DOTS: usize = 32;
+const MOST_DOTS: usize = 16;
 /// Charts in a row, at most; more stand in two rows.
 const MOST_ACROSS: usize = 3;
 /// Labels of an x axis over the whole width of the plot; charts side by side share them.
@@ -68,7 +68,7 @@ fn draw_panel(area: &Area<'_>, panel: &Panel, pens: &[(&str, Pen)], across: usiz
         let Some((_, pen)) = pens.iter().find(|(name, _)| *name == curve.name) else { continue };
         if points.len() <= MOST_DOTS && !curve.limit {
             // Smaller and smaller: where curves coincide, the earlier ones show around the later.
-            let radius = px(8 - i.min(5) as i32);
+            let radius = px(6 - i.min(3) as i32);
             let dot = |&point| Circle::new(point, radius, pen.colour().filled());
             chart.draw_series(points.iter().map(dot))?;
         }
