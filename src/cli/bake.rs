@@ -48,7 +48,7 @@ pub fn run(argument: &str, arguments: &BakeArguments, options: &Options) -> Resu
     }
     if !options.quiet {
         print(&summary, bytes, seconds);
-        println!("  file        {}", out.display());
+        say!("  file        {}", out.display());
     }
     Ok(())
 }
@@ -75,15 +75,15 @@ fn print(summary: &BakeSummary, bytes: u64, seconds: f64) {
     let skipped = summary.enclosed + summary.back_sides;
     let baked = summary.points - skipped;
     let mean = if baked > 0 { summary.seen / baked as u64 } else { 0 };
-    println!("  view points {} of {} can be reached", grouped(baked as u64), grouped(summary.points as u64));
-    println!(
+    say!("  view points {} of {} can be reached", grouped(baked as u64), grouped(summary.points as u64));
+    say!(
         "  skipped     {} enclosed, {} behind back sides",
         grouped(summary.enclosed as u64),
         grouped(summary.back_sides as u64)
     );
-    println!("  sees        {} objects from a point, on the mean", grouped(mean));
-    println!("  took        {seconds:.1} s, {} of {} steps from the journal", summary.resumed, 2 * summary.points);
-    println!("  bytes       {}", grouped(bytes));
+    say!("  sees        {} objects from a point, on the mean", grouped(mean));
+    say!("  took        {seconds:.1} s, {} of {} steps from the journal", summary.resumed, 2 * summary.points);
+    say!("  bytes       {}", grouped(bytes));
 }
 
 /// `-10,0,2.5`.

@@ -29,7 +29,7 @@ pub fn run(options: &Options) -> Result<()> {
     let methods = METHODS.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let setting = setting::load(SCENE, &options, false)?;
     if !options.quiet {
-        println!("The city: {} objects, {} triangles.", setting.scene.objects.len(), setting.scene.triangles());
+        say!("The city: {} objects, {} triangles.", setting.scene.objects.len(), setting.scene.triangles());
     }
     let two = Options { repetitions: options.repetitions.or(Some(3)), ..options.clone() };
     let report = walk::walk_setting(&setting, &methods, &two, Some(&out))?;
@@ -41,7 +41,7 @@ pub fn run(options: &Options) -> Result<()> {
     error_against_time(&out.join("error-against-time.png"), title, "mean of frames; hom-progressive", &series)?;
     if !options.quiet {
         print_knobs(&knobs);
-        println!("\nPictures and graphs: {}", out.display());
+        say!("\nPictures and graphs: {}", out.display());
     }
     Ok(())
 }
@@ -99,5 +99,5 @@ fn print_knobs(report: &WalkReport) {
         let ms = digits3(run.frame_ms().total / report.frames.max(1) as f64);
         table.row([setting, ms, wrong, culled, digits3(mean.objects_drawn)]);
     }
-    println!("\nError against run time, the first knobs ({} frames):\n\n{table}", report.frames);
+    say!("\nError against run time, the first knobs ({} frames):\n\n{table}", report.frames);
 }

@@ -41,14 +41,14 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         return write_json(target, &value);
     }
     if !options.quiet {
-        println!("{argument}");
-        println!("  objects     {}", grouped(setting.scene.objects.len() as u64));
-        println!("  triangles   {}", grouped(setting.scene.triangles()));
-        println!("  an object   {} triangles in the middle, {} at most", median.unwrap_or(0), most.unwrap_or(0));
-        println!("  size        {} x {} x {}", size[0], size[1], size[2]);
-        println!("  views       {}", setting.views.len());
-        println!("  hierarchy   {} nodes, {} deep", hierarchy.nodes.len(), hierarchy.depth());
-        println!("  occluders   {}", occluders.line());
+        say!("{argument}");
+        say!("  objects     {}", grouped(setting.scene.objects.len() as u64));
+        say!("  triangles   {}", grouped(setting.scene.triangles()));
+        say!("  an object   {} triangles in the middle, {} at most", median.unwrap_or(0), most.unwrap_or(0));
+        say!("  size        {} x {} x {}", size[0], size[1], size[2]);
+        say!("  views       {}", setting.views.len());
+        say!("  hierarchy   {} nodes, {} deep", hierarchy.nodes.len(), hierarchy.depth());
+        say!("  occluders   {}", occluders.line());
     }
     Ok(())
 }
@@ -102,14 +102,18 @@ impl Occluders {
 /// The generators and their defaults, and the presets.
 pub fn generators() -> Result<()> {
     for g in scene::generators() {
-        println!("{}:seed={},triangles={}\n    {}", g.name, g.seed, g.triangles, g.about);
+        say!("{}:seed={},triangles={}\n    {}", g.name, g.seed, g.triangles, g.about);
     }
-    println!("\nPresets, of `walk` alone: the thesis's experiments, with the generator's parameters");
+    say!("\nPresets, of `walk` alone: the thesis's experiments, with the generator's parameters");
     for p in presets() {
         let grid = p.grid.map(|[x, y, z]| format!(":grid={x}x{y}x{z}")).unwrap_or_default();
-        println!(
+        say!(
             "{}{grid}\n    section {}: {}; {} and, as in 1998, {}",
-            p.name, p.section, p.generator, p.method, p.thresholds
+            p.name,
+            p.section,
+            p.generator,
+            p.method,
+            p.thresholds
         );
     }
     Ok(())
@@ -118,8 +122,8 @@ pub fn generators() -> Result<()> {
 /// The methods and their parameters.
 pub fn methods() -> Result<()> {
     for m in cull::methods() {
-        println!("{}\n    from        {}\n    guarantee   {}", m.name, m.source, m.guarantee);
-        println!("    parameters  {}\n    use it when {}", m.parameters, m.when);
+        say!("{}\n    from        {}\n    guarantee   {}", m.name, m.source, m.guarantee);
+        say!("    parameters  {}\n    use it when {}", m.parameters, m.when);
     }
     Ok(())
 }

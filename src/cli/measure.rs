@@ -67,7 +67,7 @@ pub fn run(kernel: Kernel, scene: &str, cluster_test: bool, depth: Depth, option
         Some(target) => write_json(target, &value),
         None if options.quiet => Ok(()),
         None => {
-            println!("{}", serde_json::to_string_pretty(&value).unwrap_or_default());
+            say!("{}", serde_json::to_string_pretty(&value).unwrap_or_default());
             Ok(())
         }
     }

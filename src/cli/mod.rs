@@ -1,5 +1,10 @@
 //! The program: commands, what they print, and the files they write (PROTOCOL).
 
+/// A line on standard output. Whoever reads may stop reading.
+macro_rules! say {
+    ($($text:tt)*) => { crate::cli::say(format_args!($($text)*)) };
+}
+
 pub mod arguments;
 mod bake;
 mod demonstration;
@@ -16,6 +21,7 @@ mod stability;
 mod walk;
 
 use std::ffi::OsString;
+use std::io::Write;
 use std::process::ExitCode;
 
 use crate::error::Result;
@@ -26,7 +32,7 @@ pub fn run(args: impl Iterator<Item = OsString>) -> ExitCode {
     let arguments = match arguments::parse(args) {
         Ok(arguments) => arguments,
         Err(exit) if exit.to_stdout => {
-            println!("{}", exit.message);
+            say!("{}", exit.message);
             return ExitCode::from(exit.code);
         }
         Err(exit) => {
@@ -40,6 +46,15 @@ pub fn run(args: impl Iterator<Item = OsString>) -> ExitCode {
             eprintln!("homcull: {}", error.to_string().replace('\n', " "));
             ExitCode::from(2)
         }
+    }
+}
+
+fn say(line: std::fmt::Arguments<'_>) {
+    if let Err(error) = writeln!(std::io::stdout().lock(), "{line}") {
+        if error.kind() != std::io::ErrorKind::BrokenPipe {
+            eprintln!("homcull: standard output: {error}");
+        }
+        std::process::exit(if error.kind() == std::io::ErrorKind::BrokenPipe { 0 } else { 2 });
     }
 }
 

@@ -56,15 +56,15 @@ pub fn run(argument: &str, options: &Options) -> Result<()> {
     if options.quiet {
         return Ok(());
     }
-    println!("{argument}");
+    say!("{argument}");
     let line = |what: &str, t: Tally| {
-        println!("  {what:<34} {:>9} parts {:>11} triangles", grouped(t.parts as u64), grouped(t.triangles as u64));
+        say!("  {what:<34} {:>9} parts {:>11} triangles", grouped(t.parts as u64), grouped(t.triangles as u64));
     };
     line("closed", closed);
     line("open: a border", open[0].1);
     line("open: turned against each other", open[1].1);
     line("open: no room inside", open[2].1);
-    println!("  {:<34} {:>15} {:>11} triangles", "open parts, coplanar ones merged", "", grouped(merged as u64));
+    say!("  {:<34} {:>15} {:>11} triangles", "open parts, coplanar ones merged", "", grouped(merged as u64));
     for ((t, area), share) in rows.into_iter().zip(SHARES) {
         line(&format!("closed, {:>4.1} % of triangles: {:>5.1} % of area", share * 100.0, share_of(area) * 100.0), t);
     }

@@ -120,7 +120,7 @@ fn print(preset: &Preset, report: &WalkReport, options: &Options, out: &Path) ->
     walk::print(report, options)?;
     let to_stdout = [&options.json, &options.csv].into_iter().any(|t| matches!(t, Some(Target::Stdout)));
     if !options.quiet && !to_stdout {
-        println!("\n{}\nGraphs, pictures and tables: {}", Comparison { preset, report }.text(), out.display());
+        say!("\n{}\nGraphs, pictures and tables: {}", Comparison { preset, report }.text(), out.display());
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ pub fn run(options: &Options) -> Result<()> {
     match &options.json {
         Some(target) => write_json(target, &json!({ "cases": rows.iter().map(report).collect::<Vec<Value>>() }))?,
         None if options.quiet => {}
-        None => print!("{}", table(&rows)),
+        None => say!("{}", table(&rows).to_string().trim_end()),
     }
     let failed: Vec<&StabilityRow> = rows.iter().filter(|r| !r.ok()).collect();
     match failed.first() {

@@ -75,7 +75,7 @@ pub fn print(report: &WalkReport, options: &Options) -> Result<()> {
     }
     // Last: a file that cannot be written leaves nothing on standard output.
     if !options.quiet && !to_stdout(&options.json) && !to_stdout(&options.csv) {
-        print!("{}", table_walk::walk(report));
+        say!("{}", table_walk::walk(report).trim_end());
     }
     Ok(())
 }
