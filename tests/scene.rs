@@ -25,8 +25,6 @@ fn fails_with(result: Result<impl std::fmt::Debug, Error>, words: &[&str]) {
     assert!(words.iter().all(|w| text.contains(w)), "'{text}' does not say all of {words:?}");
 }
 
-// ---- benchmark scenes
-
 /// A scene file of one triangle, and a views file of one view.
 fn tiny_benchmark() -> (Vec<u8>, Vec<u8>) {
     let mut scene: Vec<u8> = [1u32, 3, 1].iter().flat_map(|n| n.to_le_bytes()).collect();

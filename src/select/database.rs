@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 use homcull_simd::{Kernel, Level, Simd};
 
 use super::stand_ins::Form;
-use super::{Measure, StandIns};
+use super::{Order, StandIns};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::occlusion::{ALL_PLANES, BoxGroup, BoxView, Edges, Occluder, planes_left};
@@ -35,20 +35,6 @@ pub struct OccluderDatabase {
     members: usize,
     /// What is drawn in place of them.
     stand_ins: Option<StandIns>,
-}
-
-/// In which order occluders are taken, and how far.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Order {
-    /// By distance from the eye (7.3.2); ties by id.
-    Distance(Measure),
-    /// By how near they reach along `forward`, a unit vector; what reaches no nearer than `distance` is not taken (7.3.1).
-    ZPlane {
-        /// The view direction.
-        forward: Vec3,
-        /// Of the plane, from the eye.
-        distance: f32,
-    },
 }
 
 /// The queue of a walk, and which occluders were chosen before it: reused from frame to frame.
@@ -250,39 +236,6 @@ impl Taken<'_> {
             self.chosen.push(id);
         }
         takes
-    }
-}
-
-impl Order {
-    /// Bits that sort as the order does: of the object with this box. Not below [`Order::group`] of any box around it.
-    #[inline(always)]
-    fn object(self, b: Aabb, eye: Vec3) -> u32 {
-        match self {
-            // Squared distances are not negative: their bits sort as they do.
-            Order::Distance(Measure::Center) => (b.center() - eye).length_squared().to_bits(),
-            Order::Distance(Measure::Nearest) | Order::ZPlane { .. } => self.group(b, eye),
-        }
-    }
-
-    /// The same for a group: of its nearest point.
-    #[inline(always)]
-    fn group(self, b: Aabb, eye: Vec3) -> u32 {
-        match self {
-            Order::Distance(_) => b.distance_squared(eye).to_bits(),
-            Order::ZPlane { forward, .. } => {
-                let nearest = Vec3::select(forward.cmpge(Vec3::ZERO), b.min, b.max);
-                // What reaches behind the eye is nearest of all. A maximum with a NaN is the other number.
-                (nearest - eye).dot(forward).max(0.0).to_bits()
-            }
-        }
-    }
-
-    /// Keys from which on nothing is taken.
-    fn end(self) -> u32 {
-        match self {
-            Order::Distance(_) => u32::MAX,
-            Order::ZPlane { distance, .. } => distance.max(0.0).to_bits(),
-        }
     }
 }
 
