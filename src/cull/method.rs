@@ -152,7 +152,7 @@ impl HomParameters {
         ))
     }
 
-    /// True when the picture is guaranteed to stay the same.
+    /// True when the picture is guaranteed to stay the same; with simplified occluders, but for samples within 1/256 pixel of their edges.
     pub fn is_conservative(&self) -> bool {
         self.overlap.is_conservative() && self.resolution.is_none() && self.occluders.is_conservative()
     }
