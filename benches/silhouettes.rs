@@ -1,5 +1,5 @@
-//! Why occluders are not simplified anew for every view (thesis 7.2, figure 7.2): finding a silhouette, against drawing
-//! what it would save.
+//! What simplifying occluders anew for every view would cost (thesis 7.2, figure 7.2): finding a silhouette, against
+//! drawing what it would save.
 //!
 //! `silhouette_edges` is a lower bound of view-dependent simplification: triangles are sorted into those that face the
 //! eye and those that do not, and the edges between them are listed; they are neither joined into rings nor
