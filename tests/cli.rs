@@ -228,3 +228,22 @@ fn the_pyramid_kernel_has_the_protocols_fields() {
     numbers(&value, &["ms_per_build", "bytes"]);
     assert!(value["bytes"].as_u64() > Some(0));
 }
+
+#[test]
+fn whoever_reads_may_stop_reading() {
+    use std::io::Read;
+    use std::process::Stdio;
+    for command in ["methods", "scenes", "experiment", "--help"] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_homcull"))
+            .arg(command)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let mut said = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        assert!(child.wait().unwrap().success(), "{command}: {said}");
+        assert_eq!(said, "", "{command}");
+    }
+}
