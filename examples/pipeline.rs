@@ -41,7 +41,7 @@ fn main() -> Result<()> {
             let Method::Hom(mut parameters) = Method::parse(method)? else { continue };
             (parameters.pipeline, parameters.lag) = (pass % 2 == 1, Some(3));
             let (mut times, mut seen) = (Vec::new(), Vec::new());
-            pipeline::run(&world, Level::best(), &workers, &parameters, views.iter().copied(), |complete| {
+            pipeline::run(&world, Level::best(), &workers, &parameters, None, views.iter().copied(), |complete| {
                 times.push(complete.times);
                 seen.push(complete.set.clone());
                 Ok(())

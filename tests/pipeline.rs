@@ -251,7 +251,7 @@ type Given = (VisibleSet, u64, Vec<u32>);
 fn given(ground: &Ground, threads: usize, parameters: &HomParameters, inputs: &[FrameInput]) -> Vec<Given> {
     let (world, workers) = (World::new(&ground.scene), Workers::new(threads).unwrap());
     let mut out = Vec::new();
-    pipeline::run(&world, Level::best(), &workers, parameters, inputs.iter().copied(), |complete| {
+    pipeline::run(&world, Level::best(), &workers, parameters, None, inputs.iter().copied(), |complete| {
         assert_eq!((complete.frame, *complete.view), (out.len(), inputs[out.len()].view));
         let chosen = complete.hom.chosen().to_vec();
         out.push((complete.set.clone(), complete.canvas.hash(&ground.scene), chosen));
@@ -374,7 +374,7 @@ fn a_view_of_another_size_is_reported_and_what_was_complete_stays() {
         views[4] = views[4].resized(Viewport::new(64, 49).unwrap());
         let (world, workers) = (World::new(&ground.scene), Workers::new(1).unwrap());
         let mut complete = 0;
-        let result = pipeline::run(&world, Level::best(), &workers, &parameters(method), views, |_| {
+        let result = pipeline::run(&world, Level::best(), &workers, &parameters(method), None, views, |_| {
             complete += 1;
             Ok(())
         });
@@ -384,7 +384,7 @@ fn a_view_of_another_size_is_reported_and_what_was_complete_stays() {
     let (world, workers) = (World::new(&ground.scene), Workers::new(1).unwrap());
     let lag = HomParameters { lag: Some(2), ..parameters("hom:pipeline=on") };
     for views in [&ground.views[..], &[]] {
-        let result = pipeline::run(&world, Level::best(), &workers, &lag, views.iter().copied(), |_| Ok(()));
+        let result = pipeline::run(&world, Level::best(), &workers, &lag, None, views.iter().copied(), |_| Ok(()));
         assert!(matches!(&result, Err(Error::Parameter { name, .. }) if name == "lag"), "{result:?}");
     }
 }

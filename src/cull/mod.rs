@@ -23,7 +23,7 @@ pub(crate) use feedback::Feedback;
 pub use feedback::FeedbackLine;
 pub use method::{Database, HomParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods};
 pub use overlap_parameters::{Hole, OverlapParameters};
-pub use sources::OccluderSources;
+pub use sources::{OccluderSources, SharedSources};
 
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -2,6 +2,7 @@
 //! a method; and the choice of a view.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::Vec3;
 use homcull_simd::Level;
@@ -25,6 +26,28 @@ pub struct OccluderSources {
     scene: u64,
     /// The parameters that it was made by.
     made_by: MadeBy,
+}
+
+/// Sources that several methods have in common: what takes long, redundancy and stand-ins, is made once.
+#[derive(Default)]
+pub struct SharedSources(Vec<Arc<OccluderSources>>);
+
+impl SharedSources {
+    /// The sources of a scene under these parameters, made if none agrees; `None` when frames need none.
+    ///
+    /// # Errors
+    /// Those of [`OccluderSources::new`].
+    pub fn of(&mut self, scene: &PreparedScene, parameters: &HomParameters) -> Result<Option<Arc<OccluderSources>>> {
+        if !parameters.needs_sources() {
+            return Ok(None);
+        }
+        if let Some(sources) = self.0.iter().find(|s| s.are_of(scene, parameters)) {
+            return Ok(Some(sources.clone()));
+        }
+        let sources = Arc::new(OccluderSources::new(scene, parameters)?);
+        self.0.push(sources.clone());
+        Ok(Some(sources))
+    }
 }
 
 /// The parameters that decide on sources.

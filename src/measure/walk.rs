@@ -16,7 +16,7 @@ use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::{self, HomFrame};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, Method, VisibleSet, ideal};
+use crate::cull::{FeedbackLine, HomParameters, Method, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -82,7 +82,9 @@ pub fn walk(
     let mut exact = Exact::new(first, &world, options.level)?;
     let overlaps = |m: &Method| matches!(m, Method::Hom(p) if p.pipeline);
     let in_turn = methods.iter().enumerate().filter(|(_, m)| !overlaps(m));
-    let mut runners = in_turn.map(|(i, m)| Runner::new(i, m, &world, first, options)).collect::<Result<Vec<_>>>()?;
+    let mut sources = SharedSources::default();
+    let new = |(i, m)| Runner::new(i, m, &world, first, options, &mut sources);
+    let mut runners = in_turn.map(new).collect::<Result<Vec<_>>>()?;
     let mut clocks = Vec::new();
     walk_in_turn(&world, views, &mut runners, &mut exact, options, &mut clocks, &mut look)?;
     let mut runs: Vec<_> = runners.into_iter().map(|r| (r.place, r.tally.finish(r.method))).collect();
@@ -90,7 +92,8 @@ pub fn walk(
         if let Method::Hom(parameters) = method
             && parameters.pipeline
         {
-            let path = walk_pipeline::Path { world: &world, views, options, method: i };
+            let sources = sources.of(scene, parameters)?;
+            let path = walk_pipeline::Path { world: &world, views, options, method: i, sources };
             let tally = path.walk(parameters, &mut exact, &mut clocks, &mut look)?;
             runs.push((i, tally.finish(method)));
         }
@@ -206,12 +209,13 @@ impl<'m> Runner<'m> {
         world: &World<'_>,
         view: &View,
         options: &WalkOptions<'_>,
+        sources: &mut SharedSources,
     ) -> Result<Runner<'m>> {
         let hom = match method {
             Method::Hom(parameters) => {
                 let mut frame = HomFrame::new(view, options.level, parameters)?;
-                if parameters.needs_sources() {
-                    frame.sources(world.scene, parameters)?;
+                if let Some(sources) = sources.of(world.scene, parameters)? {
+                    frame.set_sources(sources);
                 }
                 Some(frame)
             }

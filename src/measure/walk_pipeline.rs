@@ -4,11 +4,13 @@
 //! with the other stages at work on the next ones. What that takes would give them a head start, so times are of later passes, in
 //! which nothing is looked at; of these the fastest as a whole counts, since frames that overlap cannot be timed apart.
 
+use std::sync::Arc;
+
 use super::clock::clock_ghz;
 use super::report::{FrameRecord, PipelineTimes, StageTimes};
 use super::walk::{Exact, FrameLook, Tally, WalkOptions};
-use crate::cull::HomParameters;
 use crate::cull::vfc::World;
+use crate::cull::{HomParameters, OccluderSources};
 use crate::error::Result;
 use crate::pipeline::{self, CompleteFrame};
 use crate::view::View;
@@ -20,6 +22,8 @@ pub(super) struct Path<'a> {
     pub options: &'a WalkOptions<'a>,
     /// The method's place among the methods.
     pub method: usize,
+    /// What its occluders are chosen from, in every pass.
+    pub sources: Option<Arc<OccluderSources>>,
 }
 
 impl Path<'_> {
@@ -72,7 +76,8 @@ impl Path<'_> {
 
     fn run(&self, parameters: &HomParameters, complete: impl FnMut(CompleteFrame<'_>) -> Result<()>) -> Result<()> {
         let WalkOptions { level, workers, .. } = *self.options;
-        pipeline::run(self.world, level, workers, parameters, self.views.iter().copied(), complete)
+        let sources = self.sources.clone();
+        pipeline::run(self.world, level, workers, parameters, sources, self.views.iter().copied(), complete)
     }
 }
 

@@ -53,7 +53,7 @@ pub struct CompleteFrame<'a> {
 }
 
 /// Culls and draws a frame for every input, which is asked for when OccSel is free for it, and gives each to `complete` in
-/// order, in the caller's thread. Overlapping if `parameters.pipeline` says so, else in turn. Ends when the inputs do, with
+/// order, in the caller's thread. `sources` that runs share are used if they are of the scene and the parameters. Overlapping if `parameters.pipeline` says so, else in turn. Ends when the inputs do, with
 /// every frame drawn. `workers` are shared by all stages: occluders and picture in bands, tests in stretches.
 ///
 /// # Errors
@@ -64,12 +64,14 @@ pub fn run<I: Into<FrameInput>>(
     level: Level,
     workers: &Workers,
     parameters: &HomParameters,
+    sources: Option<Arc<OccluderSources>>,
     inputs: impl IntoIterator<Item = I>,
     complete: impl FnMut(CompleteFrame<'_>) -> Result<()>,
 ) -> Result<()> {
     let mut inputs = inputs.into_iter().map(Into::into).peekable();
     let Some(first) = inputs.peek().map(|input| input.view) else { return parameters.check() };
     let mut frame = HomFrame::new(&first, level, parameters)?;
+    frame.selected.sources = sources;
     let sources = if parameters.needs_sources() { Some(frame.sources(world.scene, parameters)?) } else { None };
     let walks_tree = hom::walks_tree(parameters, &frame.buffer);
     let mut draw = HomDraw {

@@ -148,7 +148,7 @@ impl Mode {
         mut look: impl FnMut(&CompleteFrame<'_>),
     ) -> Result<()> {
         let views = place.views.iter().copied();
-        pipeline::run(world, bench.level, &self.workers, &self.parameters, views, |complete| {
+        pipeline::run(world, bench.level, &self.workers, &self.parameters, None, views, |complete| {
             look(&complete);
             Ok(())
         })
