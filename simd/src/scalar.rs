@@ -60,7 +60,7 @@ impl Simd for Scalar {
     type I = [i32; 16];
     type D = [f64; 16];
 
-    #[inline]
+    #[inline(never)]
     fn vectorize<K: Kernel>(self, kernel: K) -> K::Output {
         kernel.run(self)
     }

@@ -16,7 +16,7 @@ use super::hom::{BYPASS_BATCH, Bypass, HomFrame, Selected};
 use super::method::HomParameters;
 use super::vfc::World;
 use crate::occlusion::{
-    AtOnce, BoxView, DepthReading, Edges, NEAR, OccluderSinkRef, OcclusionSettings, PlacedRows, ProjectedBox,
+    AtOnce, BoxView, DepthReading, Edges, NEAR, OccluderSink, OcclusionSettings, PlacedRows, ProjectedBox,
     ProjectedBoxes, project_lanes, test_box,
 };
 use crate::raster::{Engine, Queues, RasterCounts};
@@ -30,7 +30,7 @@ pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut Ho
     let box_view = world.box_view(view);
     let reading = buffer.reading();
     let OcclusionSettings { no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
-    let (level, mut sink, queues, counts) = buffer.parts();
+    let (level, sink, queues, counts) = buffer.parts();
     let walk = Walk {
         world,
         stand_ins: sources.as_ref().filter(|_| parameters.needs_sources()).and_then(|s| s.database.stand_ins()),
@@ -40,7 +40,7 @@ pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut Ho
         no_sample_is_hidden,
         cluster_test,
         bypass_after: parameters.bypass_after,
-        sink: OccluderSinkRef(&mut sink),
+        sink,
         queues,
         counts,
         rest: boxes,
@@ -49,7 +49,7 @@ pub(super) fn cull(world: &World<'_>, parameters: &HomParameters, frame: &mut Ho
     level.run(walk)
 }
 
-struct Walk<'a, 'w, 'r, 's> {
+struct Walk<'a, 'w, 'r> {
     world: &'a World<'w>,
     stand_ins: Option<&'a StandIns>,
     view: &'a View,
@@ -58,7 +58,7 @@ struct Walk<'a, 'w, 'r, 's> {
     no_sample_is_hidden: bool,
     cluster_test: bool,
     bypass_after: u32,
-    sink: OccluderSinkRef<'r, 's>,
+    sink: OccluderSink<'r>,
     queues: &'a mut Queues,
     counts: &'a mut RasterCounts,
     /// What is left when testing is given up.
@@ -92,7 +92,7 @@ impl Front {
     }
 }
 
-impl Kernel for Walk<'_, '_, '_, '_> {
+impl Kernel for Walk<'_, '_, '_> {
     type Output = VisibleSet;
 
     #[inline(always)]
@@ -115,7 +115,7 @@ impl Kernel for Walk<'_, '_, '_, '_> {
                 Some((group, _)) => (b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize])),
                 None => (b, &scene.bounds[..]),
             };
-            let state = AtOnce { map: engine.sink.0.view(), reading };
+            let state = AtOnce { map: engine.sink.view(), reading };
             let hidden: bool = test_box(s, &state, box_view, &asked, bounds, no_sample_is_hidden);
             set.queries += 1;
             match group {

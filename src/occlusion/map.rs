@@ -172,6 +172,18 @@ pub(crate) struct OccluderSink<'a> {
 }
 
 impl OccluderSink<'_> {
+    /// The same sink for a while.
+    #[inline(always)]
+    pub fn reborrow(&mut self) -> OccluderSink<'_> {
+        let Surface { band, blocks, tiles } = &mut self.surface;
+        OccluderSink {
+            surface: Surface { band: *band, blocks, tiles },
+            cover: self.cover,
+            samples: self.samples,
+            dirty: self.dirty,
+        }
+    }
+
     /// What has been drawn so far, to be read between draws.
     #[inline(always)]
     pub fn view(&self) -> MapView<'_> {

@@ -37,10 +37,9 @@ pub use contrast::relative_luminance;
 pub use depth::DepthRepresentation;
 pub use depth_estimation::{DepthEstimationBuffer, Partitions};
 pub use layers::optical_depth;
-pub(crate) use map::take;
+pub(crate) use map::{OccluderSink, take};
 pub use overlap::{ActiveLevels, OverlapStatistics};
 #[cfg(feature = "bvh")]
-pub(crate) use progressive::OccluderSinkRef;
 pub(crate) use progressive::PlacedRows;
 pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]

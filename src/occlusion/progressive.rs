@@ -16,7 +16,7 @@ use super::project::BoxView;
 use super::query::DepthReading;
 use super::test::{AtOnce, test_box};
 use crate::error::{Error, Result};
-use crate::raster::{Engine, ObjectRows, Queues, RasterCounts, Sink};
+use crate::raster::{Engine, ObjectRows, Queues, RasterCounts};
 use crate::view::View;
 
 /// What a progressive pass found.
@@ -68,14 +68,14 @@ impl Kernel for RunBand<'_, '_> {
         let p = *pass;
         let mut engine = Engine {
             simd: s,
-            sink: OccluderSinkRef(sink),
+            sink: sink.reborrow(),
             queues,
             counts: RasterCounts::default(),
             cluster_test: p.cluster_test,
         };
         let mut placed = PlacedRows::new(p.view);
         for (index, b) in p.boxes.boxes.iter().enumerate() {
-            let state = AtOnce { map: engine.sink.0.view(), reading: p.reading };
+            let state = AtOnce { map: engine.sink.view(), reading: p.reading };
             if test_box(s, &state, p.box_view, b, p.world.bounds, p.no_sample_is_hidden) {
                 continue;
             }
@@ -87,30 +87,6 @@ impl Kernel for RunBand<'_, '_> {
             }
         }
         *counts += engine.counts;
-    }
-}
-
-/// A sink by reference, so that it can be read between draws.
-pub(crate) struct OccluderSinkRef<'r, 'a>(pub &'r mut OccluderSink<'a>);
-
-impl<'a> Sink<'a> for OccluderSinkRef<'_, 'a> {
-    const EXACT: bool = false;
-
-    #[inline(always)]
-    fn surface(&mut self) -> &mut crate::raster::Surface<'a> {
-        self.0.surface()
-    }
-    #[inline(always)]
-    fn expect(&self, tile: usize, block: usize) {
-        self.0.expect(tile, block);
-    }
-    #[inline(always)]
-    fn whole<S: Simd>(&mut self, s: S, tile: usize, blocks: homcull_simd::Mask, floors: S::F, far: S::F) -> S::F {
-        self.0.whole(s, tile, blocks, floors, far)
-    }
-    #[inline(always)]
-    fn samples<S: Simd>(&mut self, s: S, tile: usize, block: usize, word: u64, depths: [S::F; 4], id: u32) -> f32 {
-        self.0.samples(s, tile, block, word, depths, id)
     }
 }
 

@@ -62,9 +62,18 @@ pub(crate) struct Engine<'q, S, K> {
 }
 
 /// Entered as kernels of their own: the code of the rasterizer would otherwise stand in every place that draws.
+struct Mesh<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, &'e PreparedMeshes, &'e Placement<'e>, PhantomData<&'a ()>);
 struct Small<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, PhantomData<&'a ()>);
 struct Large<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, PhantomData<&'a ()>);
 struct Clipped<'e, 'q, 'a, S, K>(&'e mut Engine<'q, S, K>, [usize; 3], Facing, u32, PhantomData<&'a ()>);
+
+impl<'a, S0: Simd, K: Sink<'a>> Kernel for Mesh<'_, '_, 'a, S0, K> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        self.0.draw_mesh(self.1, self.2);
+    }
+}
 
 impl<'a, S0: Simd, K: Sink<'a>> Kernel for Small<'_, '_, 'a, S0, K> {
     type Output = ();
@@ -100,6 +109,11 @@ impl<'a, S: Simd, K: Sink<'a>> Engine<'_, S, K> {
     /// Draws all triangles of a mesh; some may stay in the queues until [`Engine::flush`].
     #[inline(always)]
     pub fn draw(&mut self, meshes: &PreparedMeshes, placement: &Placement<'_>) {
+        self.simd.vectorize(Mesh(self, meshes, placement, PhantomData));
+    }
+
+    #[inline(always)]
+    fn draw_mesh(&mut self, meshes: &PreparedMeshes, placement: &Placement<'_>) {
         let range = meshes.meshes[placement.mesh.0 as usize];
         self.counts.triangles += u64::from(range.triangles);
         for cluster in &meshes.clusters[range.first_cluster as usize..range.end_cluster as usize] {
