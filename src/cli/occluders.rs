@@ -9,7 +9,7 @@ use crate::measure::json::write_json;
 use crate::measure::report_number::grouped;
 use crate::raster::Facing;
 use crate::scene::Mesh;
-use crate::scene::lod::{Merge, OccluderLevels, Open, price_within};
+use crate::scene::lod::{Merge, OccluderLevels, Open, most_within, price_within};
 
 /// Shares of the closed parts' triangles that the table has rows for.
 const SHARES: [f64; 5] = [0.5, 0.2, 0.1, 0.05, 0.02];
@@ -36,7 +36,9 @@ pub fn run(argument: &str, options: &Options) -> Result<()> {
     let area: f64 = levels.iter().flat_map(|l| &l.closed).map(|part| part.area).sum();
     let open = [Open::Border, Open::Orientation, Open::NoRoom].map(|reason| (reason, open(&levels, reason)));
     let merged: usize = levels.iter().map(|l| l.merged.triangles.len()).sum();
-    let rows = SHARES.map(|share| kept(&levels, (closed.triangles as f64 * share) as usize));
+    let triangles_of = |share: f64| (closed.triangles as f64 * share) as usize;
+    let rows = SHARES.map(|share| kept(&levels, triangles_of(share)));
+    let most = SHARES.map(|share| most_within(&levels, triangles_of(share)));
     let share_of = |kept: f64| if area > 0.0 { kept / area } else { 0.0 };
     let tally = |t: Tally| json!({"parts": t.parts, "triangles": t.triangles});
     let value = json!({
@@ -46,8 +48,9 @@ pub fn run(argument: &str, options: &Options) -> Result<()> {
         "closed": tally(closed),
         "open": {"border": tally(open[0].1), "orientation": tally(open[1].1), "no_room": tally(open[2].1),
                  "triangles_merged": merged},
-        "simplified": rows.iter().zip(SHARES).map(|(&(t, area), share)| json!({
-            "share_of_triangles": share, "parts": t.parts, "triangles": t.triangles, "share_of_area": share_of(area)
+        "simplified": rows.iter().zip(SHARES).zip(most).map(|((&(t, area), share), most)| json!({
+            "share_of_triangles": share, "parts": t.parts, "triangles": t.triangles, "share_of_area": share_of(area),
+            "share_of_area_at_most": most
         })).collect::<Vec<_>>(),
     });
     if let Some(target) = &options.json {
@@ -58,15 +61,16 @@ pub fn run(argument: &str, options: &Options) -> Result<()> {
     }
     say!("{argument}");
     let line = |what: &str, t: Tally| {
-        say!("  {what:<34} {:>9} parts {:>11} triangles", grouped(t.parts as u64), grouped(t.triangles as u64));
+        say!("  {what:<54} {:>9} parts {:>11} triangles", grouped(t.parts as u64), grouped(t.triangles as u64));
     };
     line("closed", closed);
     line("open: a border", open[0].1);
     line("open: turned against each other", open[1].1);
     line("open: no room inside", open[2].1);
-    say!("  {:<34} {:>15} {:>11} triangles", "open parts, coplanar ones merged", "", grouped(merged as u64));
-    for ((t, area), share) in rows.into_iter().zip(SHARES) {
-        line(&format!("closed, {:>4.1} % of triangles: {:>5.1} % of area", share * 100.0, share_of(area) * 100.0), t);
+    say!("  {:<54} {:>15} {:>11} triangles", "open parts, coplanar ones merged", "", grouped(merged as u64));
+    for (((t, area), share), most) in rows.into_iter().zip(SHARES).zip(most) {
+        let [share, kept, most] = [share, share_of(area), most].map(|v| v * 100.0);
+        line(&format!("closed, {share:>4.1} % of triangles: {kept:>5.1} % of area, {most:>5.1} possible"), t);
     }
     Ok(())
 }

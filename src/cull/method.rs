@@ -18,8 +18,17 @@ pub enum Method {
     Vfc,
     /// Hierarchical occlusion maps.
     Hom(HomParameters),
+    /// The hierarchical Z-buffer.
+    Hzb(HzbParameters),
     /// The exact visible set.
     Ideal,
+}
+
+/// Parameters of `hzb`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HzbParameters {
+    /// Whether what was visible in the previous frame is drawn first.
+    pub previous_first: bool,
 }
 
 /// When the occlusion representation is updated (Zhang 1998, 2.1.4).
@@ -227,6 +236,13 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
+            name: "hzb",
+            source: "Greene, Kass and Miller 1993, in Zhang 1998, 2.2.3.5: the Z-buffer of the final draw, through the hierarchy",
+            guarantee: "conservative",
+            parameters: "first=none|previous",
+            when: "the CPU draws the picture: occluders cost nothing extra",
+        },
+        MethodDescription {
             name: "ideal",
             source: "Zhang 1998, 8.3.1: the objects of an exact item buffer",
             guarantee: "exact; its set is computed beforehand and not timed",
@@ -248,6 +264,7 @@ impl Method {
             "hom" => Method::Hom(HomParameters::new(Update::Once)),
             "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
             "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
+            "hzb" => Method::Hzb(HzbParameters::default()),
             "ideal" => Method::Ideal,
             _ => {
                 let known: Vec<_> = methods().iter().map(|m| m.name).collect();
@@ -278,6 +295,14 @@ impl Method {
                 ("set", _) => Err(Error::parameter("set", value, "exact")),
                 _ => Err(unknown()),
             },
+            Method::Hzb(p) => match (key, value) {
+                ("first", "none" | "previous") => {
+                    p.previous_first = value == "previous";
+                    Ok(())
+                }
+                ("first", _) => Err(Error::parameter("first", value, "none or previous")),
+                _ => Err(unknown()),
+            },
             Method::Hom(p) => p.set(key, value, unknown),
         }
     }
@@ -286,6 +311,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Method::Vfc => "vfc",
+            Method::Hzb(_) => "hzb",
             Method::Ideal => "ideal",
             Method::Hom(p) => match p.update {
                 Update::Once => "hom",
@@ -299,6 +325,9 @@ impl Method {
     pub fn parameters(&self) -> Vec<(String, String)> {
         match self {
             Method::Vfc => Vec::new(),
+            Method::Hzb(p) => {
+                vec![("first".into(), if p.previous_first { "previous" } else { "none" }.into())]
+            }
             Method::Ideal => vec![("set".into(), "exact".into())],
             Method::Hom(p) => p.list(),
         }

@@ -8,8 +8,10 @@ mod fade;
 mod feedback;
 pub mod frustum;
 pub mod hom;
+pub mod hzb;
 pub mod ideal;
 mod method;
+mod nearest_first;
 mod overlap_parameters;
 mod progressive;
 mod sources;
@@ -21,7 +23,9 @@ use crate::occlusion::OverlapStatistics;
 pub use fade::FadeIn;
 pub(crate) use feedback::Feedback;
 pub use feedback::FeedbackLine;
-pub use method::{Database, HomParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods};
+pub use method::{
+    Database, HomParameters, HzbParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods,
+};
 pub use overlap_parameters::{Hole, OverlapParameters};
 pub use sources::{OccluderSources, SharedSources};
 

@@ -5,22 +5,19 @@
 //! put into the frustum and onto the screen in one call. An object is never nearer than its group, so objects come out
 //! nearest first whatever the tree.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use homcull_simd::{Kernel, Simd};
 
 use super::VisibleSet;
-use super::frustum::{ALL_PLANES, CollectInFrustum, planes_left};
+use super::frustum::CollectInFrustum;
 use super::hom::{BYPASS_BATCH, Bypass, HomFrame, Selected};
 use super::method::HomParameters;
+use super::nearest_first::{Front, begin, open_group};
 use super::vfc::World;
 use crate::occlusion::{
-    AtOnce, BoxView, DepthReading, Edges, NEAR, OccluderSink, OcclusionSettings, PlacedRows, ProjectedBox,
-    ProjectedBoxes, project_lanes, test_box,
+    AtOnce, BoxView, DepthReading, OccluderSink, OcclusionSettings, PlacedRows, ProjectedBoxes, test_box,
 };
 use crate::raster::{Engine, Queues, RasterCounts};
-use crate::scene::{Child, WideHierarchy};
+use crate::scene::WideHierarchy;
 use crate::select::StandIns;
 use crate::view::View;
 
@@ -64,32 +61,6 @@ struct Walk<'a, 'w, 'r> {
     /// What is left when testing is given up.
     rest: &'a mut ProjectedBoxes,
     stack: &'a mut Vec<(u32, u8)>,
-}
-
-/// What waits in the queue, beside its key.
-struct Waiting {
-    b: ProjectedBox,
-    /// `None` for an object; else the group, and the planes it may cross.
-    group: Option<(u32, u8)>,
-}
-
-/// The queue: keys are distance bits, then the place in the list, so that ties come out as they went in.
-#[derive(Default)]
-struct Front {
-    heap: BinaryHeap<Reverse<u64>>,
-    waiting: Vec<Waiting>,
-}
-
-impl Front {
-    fn push(&mut self, distance: u32, waiting: Waiting) {
-        self.heap.push(Reverse(u64::from(distance) << 32 | self.waiting.len() as u64));
-        self.waiting.push(waiting);
-    }
-
-    fn pop(&mut self) -> Option<(u32, &Waiting)> {
-        let Reverse(key) = self.heap.pop()?;
-        Some(((key >> 32) as u32, &self.waiting[key as u32 as usize]))
-    }
 }
 
 impl Kernel for Walk<'_, '_, '_> {
@@ -159,49 +130,6 @@ impl Kernel for Walk<'_, '_, '_> {
         *counts += engine.counts;
         set.objects.extend(rest.boxes().iter().map(|b| b.id()));
         set
-    }
-}
-
-/// The root, and what has no box.
-fn begin(tree: &WideHierarchy, front: &mut Front) {
-    if !tree.is_empty() {
-        front.push(0, Waiting { b: ProjectedBox::everywhere(NEAR), group: Some((0, ALL_PLANES)) });
-    }
-    for &id in &tree.unbounded {
-        front.push(0, Waiting { b: ProjectedBox::everywhere(id | NEAR), group: None });
-    }
-}
-
-/// Puts a group's children that meet the frustum into the queue.
-#[inline(always)]
-fn open_group<S: Simd>(
-    s: S,
-    view: &BoxView,
-    tree: &WideHierarchy,
-    group: u32,
-    active: u8,
-    children: &mut ProjectedBoxes,
-    front: &mut Front,
-) {
-    let boxes = Edges::new(s, view, &tree.groups[group as usize]);
-    let (k, inside) = boxes.against_planes(s, view, active, tree.used(group));
-    if k == 0 {
-        return;
-    }
-    let mut lanes = [0; 16];
-    for (i, lane) in lanes.iter_mut().enumerate() {
-        *lane = i as u32;
-    }
-    children.clear();
-    project_lanes(s, view, &boxes, k, &lanes, children);
-    let links = tree.links(group);
-    for (b, distance) in children.with_distances() {
-        let lane = b.id() as usize;
-        let waiting = match WideHierarchy::child(links[lane]) {
-            Child::Object(id) => Waiting { b: b.renumbered(id), group: None },
-            Child::Group(child) => Waiting { b: *b, group: Some((child, planes_left(active, &inside, lane))) },
-        };
-        front.push(distance, waiting);
     }
 }
 

@@ -62,33 +62,9 @@ impl Canvas {
         bands: usize,
         run: impl FnOnce(&mut [DrawJob<'_>]),
     ) -> Result<RasterCounts> {
-        if Grid::new(view.viewport()) != self.grid {
-            return Err(Error::View("the canvas and the view differ in size".into()));
-        }
-        let (grid, level) = (self.grid, self.level);
-        let bands = bands.clamp(1, grid.tiles_y());
-        while self.queues.len() < bands {
-            self.queues.push(Queues::new());
-        }
-        let (mut floors, mut tiles) = (&mut self.floors[..], &mut self.tiles[..]);
-        let (mut cover, mut items, mut image) = (&mut self.cover[..], &mut self.items[..], &mut self.image[..]);
-        let mut jobs: Vec<DrawJob<'_>> = (grid.bands(bands).zip(&mut self.queues))
-            .map(|(band, queues)| {
-                let n = band.tiles();
-                let rows = (band.last_row() - band.first_row() + 1) as usize;
-                let strips = (band.tile_y1 - band.tile_y0) * grid.tile_stride();
-                let surface = Surface { band, blocks: take(&mut floors, n), tiles: take(&mut tiles, strips) };
-                let sink = DrawSink { surface, cover: take(&mut cover, n), items: take(&mut items, n) };
-                let image = take(&mut image, rows * grid.width() as usize);
-                DrawJob {
-                    level,
-                    view,
-                    scene,
-                    objects,
-                    counts: RasterCounts::default(),
-                    work: Some(BandDraw { sink, queues, image }),
-                }
-            })
+        let level = self.level;
+        let mut jobs: Vec<DrawJob<'_>> = (self.bands(view, bands)?.into_iter())
+            .map(|band| DrawJob { level, view, scene, objects, counts: RasterCounts::default(), work: Some(band) })
             .collect();
         run(&mut jobs);
         let mut total = RasterCounts::default();
@@ -97,6 +73,37 @@ impl Canvas {
             total += job.counts;
         }
         Ok(total)
+    }
+
+    /// The picture cut into bands, as many as asked for or as there are rows of tiles, each to be drawn by one thread.
+    ///
+    /// # Errors
+    /// [`Error::View`] when the view is of another size.
+    pub(crate) fn bands(&mut self, view: &View, bands: usize) -> Result<Vec<BandDraw<'_>>> {
+        if Grid::new(view.viewport()) != self.grid {
+            return Err(Error::View("the canvas and the view differ in size".into()));
+        }
+        let grid = self.grid;
+        let bands = bands.clamp(1, grid.tiles_y());
+        while self.queues.len() < bands {
+            self.queues.push(Queues::new());
+        }
+        let (mut floors, mut tiles) = (&mut self.floors[..], &mut self.tiles[..]);
+        let (mut cover, mut items, mut image) = (&mut self.cover[..], &mut self.items[..], &mut self.image[..]);
+        let cut = grid.bands(bands).zip(&mut self.queues).map(|(band, queues)| {
+            let n = band.tiles();
+            let rows = (band.last_row() - band.first_row() + 1) as usize;
+            let strips = (band.tile_y1 - band.tile_y0) * grid.tile_stride();
+            let surface = Surface { band, blocks: take(&mut floors, n), tiles: take(&mut tiles, strips) };
+            let sink = DrawSink { surface, cover: take(&mut cover, n), items: take(&mut items, n) };
+            BandDraw { sink, queues, image: take(&mut image, rows * grid.width() as usize) }
+        });
+        Ok(cut.collect())
+    }
+
+    /// The level that it is drawn at.
+    pub(crate) fn level(&self) -> Level {
+        self.level
     }
 
     /// The samples that each of the objects covers, hidden or not: what their depth complexity is counted from. Nothing is
@@ -246,10 +253,12 @@ pub struct DrawJob<'a> {
     counts: RasterCounts,
 }
 
-struct BandDraw<'a> {
-    sink: DrawSink<'a>,
-    queues: &'a mut Queues,
-    image: &'a mut [i32],
+/// A band of a picture, to be drawn.
+pub(crate) struct BandDraw<'a> {
+    pub sink: DrawSink<'a>,
+    pub queues: &'a mut Queues,
+    /// Its rows of the image.
+    pub image: &'a mut [i32],
 }
 
 impl DrawJob<'_> {
@@ -325,7 +334,7 @@ impl Kernel for CountFragments<'_> {
 }
 
 /// Nothing is drawn; samples outside the viewport are taken, at +infinity.
-fn clear(sink: &mut DrawSink<'_>) {
+pub(crate) fn clear(sink: &mut DrawSink<'_>) {
     let band = sink.surface.band;
     let grid = band.grid;
     sink.surface.blocks.fill([0.0; 16]);
@@ -355,7 +364,7 @@ fn clear(sink: &mut DrawSink<'_>) {
 /// Colours of the band's samples from the triangles they show. A block that shows one triangle alone, as most of a wall
 /// does, is looked up once.
 #[inline(always)]
-fn shade<S: Simd>(s: S, sink: &DrawSink<'_>, colors: &[i32], image: &mut [i32]) {
+pub(crate) fn shade<S: Simd>(s: S, sink: &DrawSink<'_>, colors: &[i32], image: &mut [i32]) {
     let band = sink.surface.band;
     let (width, rows) = (band.grid.width() as usize, (band.last_row() - band.first_row() + 1) as usize);
     for by in 0..rows.div_ceil(8) {

@@ -8,3 +8,5 @@ mod canvas;
 mod sink;
 
 pub use canvas::{BACKGROUND, Canvas, DrawJob};
+pub(crate) use canvas::{BandDraw, clear, shade};
+pub(crate) use sink::DrawSink;

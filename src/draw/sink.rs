@@ -2,6 +2,7 @@
 
 use homcull_simd::{Mask, Simd, prefetch};
 
+use crate::occlusion::{MapView, SampleDepths};
 use crate::raster::{Sink, Surface};
 
 /// Depths and triangle numbers of a tile's samples. Where a block's coverage word has no bit they are left over from
@@ -17,10 +18,31 @@ impl TileItems {
     pub const EMPTY: TileItems = TileItems { depth: [[[0.0; 16]; 4]; 16], item: [[[0; 16]; 4]; 16] };
 }
 
+impl SampleDepths for TileItems {
+    #[inline(always)]
+    fn block(&self, block: usize) -> &[[f32; 16]; 4] {
+        &self.depth[block]
+    }
+}
+
 pub(crate) struct DrawSink<'a> {
     pub surface: Surface<'a>,
     pub cover: &'a mut [[u64; 16]],
     pub items: &'a mut [TileItems],
+}
+
+impl DrawSink<'_> {
+    /// What has been drawn so far, to be tested against between draws.
+    #[inline(always)]
+    pub fn view(&self) -> MapView<'_, TileItems> {
+        MapView {
+            band: self.surface.band,
+            floors: self.surface.blocks,
+            tiles: self.surface.tiles,
+            cover: self.cover,
+            samples: self.items,
+        }
+    }
 }
 
 impl<'a> Sink<'a> for DrawSink<'a> {

@@ -15,6 +15,7 @@ use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::{self, HomFrame};
+use crate::cull::hzb::{self, HzbMemory};
 use crate::cull::vfc::{self, VfcMemory, World};
 use crate::cull::{FeedbackLine, HomParameters, Method, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
@@ -197,8 +198,9 @@ struct Runner<'m> {
     canvas: Canvas,
     memory: VfcMemory,
     hom: Option<HomFrame>,
+    hzb: HzbMemory,
     /// What the frames before left behind: every repetition begins with it.
-    before: Option<FeedbackLine>,
+    before: (Option<FeedbackLine>, HzbMemory),
     tally: Tally,
 }
 
@@ -219,7 +221,7 @@ impl<'m> Runner<'m> {
                 }
                 Some(frame)
             }
-            Method::Vfc | Method::Ideal => None,
+            Method::Vfc | Method::Hzb(_) | Method::Ideal => None,
         };
         Ok(Runner {
             place,
@@ -227,13 +229,14 @@ impl<'m> Runner<'m> {
             canvas: Canvas::new(view.viewport(), options.level)?,
             memory: VfcMemory::default(),
             hom,
-            before: None,
+            hzb: HzbMemory::default(),
+            before: Default::default(),
             tally: Tally::default(),
         })
     }
 
     fn begin_frame(&mut self) {
-        self.before = self.hom.as_ref().map(|hom| hom.memory().clone());
+        self.before = (self.hom.as_ref().map(|hom| hom.memory().clone()), self.hzb.clone());
         self.tally.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
     }
 
@@ -241,23 +244,30 @@ impl<'m> Runner<'m> {
     fn draw(&mut self, world: &World<'_>, view: &View, exact: &Exact, options: &WalkOptions<'_>) -> Result<VisibleSet> {
         let prepared = match self.method {
             Method::Ideal => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
-            Method::Vfc | Method::Hom(_) => None,
+            Method::Vfc | Method::Hzb(_) | Method::Hom(_) => None,
         };
-        if let (Some(hom), Some(before)) = (&mut self.hom, &self.before) {
+        if let (Some(hom), Some(before)) = (&mut self.hom, &self.before.0) {
             hom.set_memory(before);
         }
+        self.hzb.clone_from(&self.before.1);
         let mut stages = StageTimes::default();
         let start = Instant::now();
         let set = match self.method {
             Method::Ideal => prepared.unwrap_or_default(),
             Method::Vfc => timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut self.memory)),
             Method::Hom(parameters) => self.cull_hom(world, view, parameters, options, &mut stages)?,
+            Method::Hzb(parameters) => timed(&mut stages.draw, || {
+                let first = parameters.previous_first;
+                hzb::draw(world, options.workers, view, first, &mut self.hzb, &mut self.canvas)
+            })?,
         };
         let workers = options.workers;
         let canvas = &mut self.canvas;
-        timed(&mut stages.draw, || {
-            canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
-        })?;
+        if !matches!(self.method, Method::Hzb(_)) {
+            timed(&mut stages.draw, || {
+                canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
+            })?;
+        }
         let ms = start.elapsed().as_secs_f64() * 1e3;
         if let Some(record) = self.tally.frames.last_mut().filter(|r| ms < r.frame_ms) {
             (record.frame_ms, record.stage_ms) = (ms, stages);

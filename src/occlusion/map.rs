@@ -15,6 +15,19 @@ use crate::raster::{Band, Grid, Sink, Surface};
 #[repr(C, align(64))]
 pub(crate) struct TileSamples(pub [[[f32; 16]; 4]; 16]);
 
+/// A tile that keeps the depths of its samples: the occlusion map's, or the final draw's, which keeps more.
+pub(crate) trait SampleDepths {
+    /// The depths of a block, two rows a vector.
+    fn block(&self, block: usize) -> &[[f32; 16]; 4];
+}
+
+impl SampleDepths for TileSamples {
+    #[inline(always)]
+    fn block(&self, block: usize) -> &[[f32; 16]; 4] {
+        &self.0[block]
+    }
+}
+
 /// The state of one view.
 pub(crate) struct OcclusionMap {
     pub grid: Grid,
@@ -131,16 +144,24 @@ pub(crate) fn take<'a, T>(slice: &mut &'a mut [T], n: usize) -> &'a mut [T] {
 }
 
 /// The state of a band, to be read.
-#[derive(Clone, Copy)]
-pub(crate) struct MapView<'a> {
+pub(crate) struct MapView<'a, T = TileSamples> {
     pub band: Band,
     pub floors: &'a [[f32; 16]],
     pub tiles: &'a [f32],
     pub cover: &'a [[u64; 16]],
-    pub samples: &'a [TileSamples],
+    pub samples: &'a [T],
 }
 
-impl MapView<'_> {
+impl<T> Clone for MapView<'_, T> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for MapView<'_, T> {}
+
+impl<T: SampleDepths> MapView<'_, T> {
     #[inline(always)]
     pub fn tile(&self, tile_x: i32, tile_y: i32) -> usize {
         (tile_y as usize - self.band.tile_y0) * self.band.grid.tiles_x() + tile_x as usize
@@ -156,7 +177,7 @@ impl MapView<'_> {
     pub fn effective(&self, tile: usize, block: usize, sample: usize) -> f32 {
         let floor = self.floors[tile][block];
         if self.cover[tile][block] >> sample & 1 != 0 {
-            floor.max(self.samples[tile].0[block][sample / 16][sample % 16])
+            floor.max(self.samples[tile].block(block)[sample / 16][sample % 16])
         } else {
             floor
         }

@@ -37,7 +37,7 @@ pub use contrast::relative_luminance;
 pub use depth::DepthRepresentation;
 pub use depth_estimation::{DepthEstimationBuffer, Partitions};
 pub use layers::optical_depth;
-pub(crate) use map::{OccluderSink, take};
+pub(crate) use map::{MapView, OccluderSink, SampleDepths, take};
 pub use overlap::{ActiveLevels, OverlapStatistics};
 #[cfg(feature = "bvh")]
 pub(crate) use progressive::PlacedRows;

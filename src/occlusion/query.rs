@@ -7,7 +7,7 @@
 
 use homcull_simd::{Mask, Simd};
 
-use super::map::MapView;
+use super::map::{MapView, SampleDepths};
 use crate::geometry::SampleRect;
 use crate::raster::{lanes, range_mask, tile_lanes};
 
@@ -30,7 +30,7 @@ pub(crate) fn rect_word(r: SampleRect, bx: i32, by: i32) -> u64 {
     columns & (!0_u64 << (8 * y0)) & (!0_u64 >> (8 * (7 - y1)))
 }
 
-impl MapView<'_> {
+impl<T: SampleDepths> MapView<'_, T> {
     /// True when every sample of the rectangle (not empty, inside the band) is covered by something nearer than `z`.
     #[inline(always)]
     pub fn hides<S: Simd>(&self, s: S, r: SampleRect, z: f32, reading: DepthReading) -> bool {
@@ -104,7 +104,7 @@ impl MapView<'_> {
         };
         let depth = s.splat_f(z);
         let mut open = 0;
-        let samples = &self.samples[tile].0[block];
+        let samples = self.samples[tile].block(block);
         for i in 0..4 {
             open |= s.ge_f(depth, s.load_f(&samples[i])) & (asked >> (16 * i)) as Mask;
         }

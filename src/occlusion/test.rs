@@ -15,7 +15,7 @@ use super::buffer::OcclusionBuffer;
 use super::clip_box::{ClippedBox, clip_box};
 use super::depth::Depth;
 use super::layers::Layers;
-use super::map::MapView;
+use super::map::{MapView, SampleDepths, TileSamples};
 use super::overlap::{Overlap, OverlapTest};
 use super::project::{BoxView, Project, ProjectOne};
 use super::pyramid_build::Coverage;
@@ -64,13 +64,12 @@ pub(crate) trait Representation {
 }
 
 /// Thresholds at 1 over the no-background Z-buffer: both tests in one pass.
-#[derive(Clone, Copy)]
-pub(crate) struct AtOnce<'a> {
-    pub map: MapView<'a>,
+pub(crate) struct AtOnce<'a, T = TileSamples> {
+    pub map: MapView<'a, T>,
     pub reading: DepthReading,
 }
 
-impl Representation for AtOnce<'_> {
+impl<T: SampleDepths> Representation for AtOnce<'_, T> {
     #[inline(always)]
     fn band(&self) -> Band {
         self.map.band

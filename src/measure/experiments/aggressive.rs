@@ -1,4 +1,5 @@
-//! Aggressive approximate culling (5.3.2): what it gains and what it gets wrong, over the opacity threshold of the finest active level.
+//! Aggressive approximate culling (5.3.2) and levels of detail as occluders (7.2): what they gain and what they get wrong, over the opacity
+//! threshold of the finest active level, with original occluders and with levels of detail of some sizes of error.
 //!
 //! One-pass culling as `hom` does it unless told otherwise, level-0 pixels of 8x8 samples and all levels; the thesis's own pyramid, coarser
 //! and with fewer levels, is in `threshold.rs`. Beside it view-frustum culling and the ideal, in the same run.
@@ -13,8 +14,8 @@ use crate::measure::report_number::digits3;
 
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "aggressive",
-    section: "5.3.2",
-    shows: "aggressive approximate culling: error against run time, over the opacity threshold",
+    section: "5.3.2, 7.2",
+    shows: "aggressive approximate culling and LOD occluders: error against run time, over the opacity threshold",
     places: Places::Scenes(&["machine-room", super::PLANT]),
     frames: 24,
     run,
@@ -22,6 +23,10 @@ pub(super) const EXPERIMENT: Experiment = Experiment {
 
 /// Opacity thresholds of the finest active level; 1 leaves no hole.
 const THRESHOLDS: [f64; 7] = [1.0, 0.98, 0.95, 0.9, 0.85, 0.7, 0.5];
+/// Errors of levels of detail that stand in for occluders, in pixels: the thesis's display took 1, and 4 times that for its occluders.
+const LOD_PIXELS: [u32; 3] = [1, 4, 16];
+/// Thresholds that these are tried with.
+const LOD_THRESHOLDS: [f64; 3] = [1.0, 0.85, 0.5];
 /// Times each frame is drawn: time is what this is about.
 const REPETITIONS: usize = 3;
 /// Wrong pixels, in percent, that are noticed only by those who look for them: this experiment's reading of the thesis.
@@ -33,6 +38,7 @@ fn run(bench: &Bench<'_>, places: &[Place]) -> Result<Findings> {
             Column::new("scene", ""),
             Column::new("culling", ""),
             Column::new("threshold", ""),
+            Column::new("LOD", "pixels"),
             Column::new("frame", "ms"),
             Column::new("median", "ms"),
             Column::new("objects drawn", "a frame"),
@@ -48,47 +54,69 @@ fn run(bench: &Bench<'_>, places: &[Place]) -> Result<Findings> {
         ],
         ..Findings::default()
     };
+    let knobs = knobs();
     for place in places {
-        let report = bench.walk(place, &methods(), REPETITIONS)?;
+        let report = bench.walk(place, &methods(&knobs), REPETITIONS)?;
         for (i, run) in report.runs.iter().enumerate() {
-            findings.rows.push(row(place, &report, run, threshold(i)));
+            findings.rows.push(row(place, &report, run, i.checked_sub(1).and_then(|k| knobs.get(k))));
         }
-        let at = |of: fn(&WalkReport, &MethodRun, f64) -> (f64, f64)| {
-            let runs = THRESHOLDS.iter().zip(&report.runs[1..]);
-            Curve::new(&place.scene.name, runs.map(|(t, run)| of(&report, run, *t)).collect())
-        };
-        findings.panels[0].curves.push(at(|report, run, t| (t, mean_ms(report, run))));
-        findings.panels[1].curves.push(at(|report, run, t| (t, wrong_percent(report, run))));
-        findings.panels[2].curves.push(at(|report, run, _| (mean_ms(report, run), wrong_percent(report, run))));
+        for same in knobs.iter().zip(&report.runs[1..]).collect::<Vec<_>>().chunk_by(|p, q| p.0.lod == q.0.lod) {
+            let name = match same[0].0.lod {
+                None => place.scene.name.clone(),
+                Some(pixels) => format!("{}, LOD of {pixels} pixels", place.scene.name),
+            };
+            let curve = |of: &dyn Fn(&Knobs, &MethodRun) -> (f64, f64)| {
+                Curve::new(&name, same.iter().map(|(knobs, run)| of(knobs, run)).collect())
+            };
+            let wrong = |run: &MethodRun| wrong_percent(&report, run);
+            findings.panels[0].curves.push(curve(&|k, run| (k.threshold, mean_ms(&report, run))));
+            findings.panels[1].curves.push(curve(&|k, run| (k.threshold, wrong(run))));
+            findings.panels[2].curves.push(curve(&|_, run| (mean_ms(&report, run), wrong(run))));
+        }
         findings.statements.push(statement(place, &report));
     }
     Ok(findings)
+}
+
+/// One setting of what trades error for time.
+struct Knobs {
+    threshold: f64,
+    /// Error of the levels of detail that occlude, in pixels; `None` for the originals.
+    lod: Option<u32>,
+}
+
+/// All settings, those of the original occluders first.
+fn knobs() -> Vec<Knobs> {
+    let original = THRESHOLDS.iter().map(|&threshold| Knobs { threshold, lod: None });
+    let lods = LOD_PIXELS
+        .iter()
+        .flat_map(|&pixels| LOD_THRESHOLDS.iter().map(move |&threshold| Knobs { threshold, lod: Some(pixels) }));
+    original.chain(lods).collect()
 }
 
 fn panel(title: &str, x: &str, y: &str) -> Panel {
     Panel { title: title.into(), x: Axis::plain(x), y: Axis::plain(y), curves: Vec::new() }
 }
 
-/// View-frustum culling, the thresholds, the ideal.
-fn methods() -> Vec<String> {
-    let at = |t: &f64| format!("hom:threshold={t}");
-    ["vfc".to_owned()].into_iter().chain(THRESHOLDS.iter().map(at)).chain(["ideal".to_owned()]).collect()
-}
-
-/// The threshold of a run by its place; `None` of what has none.
-fn threshold(run: usize) -> Option<f64> {
-    run.checked_sub(1).and_then(|i| THRESHOLDS.get(i)).copied()
+/// View-frustum culling, the settings, the ideal.
+fn methods(knobs: &[Knobs]) -> Vec<String> {
+    let at = |k: &Knobs| match k.lod {
+        None => format!("hom:threshold={}", k.threshold),
+        Some(pixels) => format!("hom:threshold={},occluders=lod,lod={pixels}", k.threshold),
+    };
+    ["vfc".to_owned()].into_iter().chain(knobs.iter().map(at)).chain(["ideal".to_owned()]).collect()
 }
 
 fn mean_ms(report: &WalkReport, run: &MethodRun) -> f64 {
     run.frame_ms().total / report.frames as f64
 }
 
-fn row(place: &Place, report: &WalkReport, run: &MethodRun, threshold: Option<f64>) -> Vec<Cell> {
+fn row(place: &Place, report: &WalkReport, run: &MethodRun, knobs: Option<&Knobs>) -> Vec<Cell> {
     vec![
         Cell::text(&place.scene.name),
         Cell::text(&run.method),
-        threshold.map_or(Cell::Unknown, Cell::Figure),
+        knobs.map_or(Cell::Unknown, |k| Cell::Figure(k.threshold)),
+        knobs.and_then(|k| k.lod).map_or(Cell::Unknown, |pixels| Cell::Count(pixels.into())),
         Cell::Figure(mean_ms(report, run)),
         Cell::Figure(run.frame_ms().median),
         Cell::Figure(run.mean(report.pixels()).objects_drawn),

@@ -10,9 +10,10 @@ use glam::Vec3;
 use super::collapse::Collapse;
 use super::enclosure::Enclosure;
 use super::inset::inset;
-use super::sheets::{Triangle, drop_order, fins};
+use super::sheets::{Triangle, drop_order, fins, half_axes};
 use super::silhouettes::Frames;
 use super::unfold::unfold;
+use super::walls::without_inner_walls;
 
 /// Triangles up to which they are dropped one by one.
 const DROP: usize = 32;
@@ -35,6 +36,8 @@ pub struct PartLevels {
     pub triangles: usize,
     /// Mean area that the part covers.
     pub area: f64,
+    /// Mean area that one triangle inside it covers, at most.
+    pub most_a_triangle: f64,
     /// From few triangles to many; the price falls. Empty where nothing fits inside.
     pub levels: Vec<Level>,
 }
@@ -43,15 +46,17 @@ impl PartLevels {
     /// Of a closed, outward oriented part.
     pub(super) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> PartLevels {
         let (positions, triangles) = own(positions, triangles);
-        let enclosure = Enclosure::new(&positions, &triangles);
+        // Two boxes that share a wall are one room: nothing could pass through the wall, though nobody sees it.
+        let outer = without_inner_walls(&positions, &triangles);
+        let enclosure = Enclosure::new(&positions, &outer);
         let frames = Frames::around(positions.iter().copied());
         let corners = |t: &[u32; 3]| t.map(|i| positions[i as usize]);
         let area = frames.area(&frames.cover(triangles.iter().map(corners)));
         let mut found = Candidates { frames: &frames, points: Vec::new() };
-        for heap in fins(&enclosure, &positions, &triangles) {
+        for heap in fins(&enclosure, &positions, &outer) {
             found.offer(heap);
         }
-        let start = inset(&enclosure, &positions, &unfold(&positions, &triangles));
+        let start = inset(&enclosure, &positions, &unfold(&positions, &outer));
         let mut collapse = Collapse::new(&enclosure, start);
         let (mut left, mut target) = (triangles.len(), triangles.len());
         loop {
@@ -66,7 +71,8 @@ impl PartLevels {
             }
             left = now;
         }
-        PartLevels { triangles: triangles.len(), area, levels: found.hull() }
+        let most_a_triangle = frames.most_a_triangle(half_axes(&positions, &triangles)).min(area);
+        PartLevels { triangles: triangles.len(), area, most_a_triangle, levels: found.hull() }
     }
 
     /// The finest level whose triangles each bring at least `price`; `None` if the part is better left out.

@@ -42,10 +42,11 @@ mod predicates;
 mod sheets;
 mod silhouettes;
 mod unfold;
+mod walls;
 
 pub use chain::{LodChain, LodLevel};
 pub use enclosure::Enclosure;
 pub use flat::{Merge, Merged, merge_coplanar};
 pub use levels::{Level, PartLevels};
-pub use occluder::{OccluderLevels, SimplifiedOccluder, price_within, simplify_occluder};
+pub use occluder::{OccluderLevels, SimplifiedOccluder, most_within, price_within, simplify_occluder};
 pub use parts::{Open, Part, Parts};

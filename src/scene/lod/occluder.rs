@@ -154,6 +154,24 @@ pub fn price_within<'a>(meshes: impl IntoIterator<Item = &'a OccluderLevels>, tr
     lowest
 }
 
+/// Share of the closed parts' area that `triangles` triangles inside them cover, at most: a bound, however they are chosen.
+///
+/// Each covers at most [`PartLevels::most_a_triangle`] of its part, and all of a part at most the part.
+pub fn most_within<'a>(meshes: impl IntoIterator<Item = &'a OccluderLevels>, triangles: usize) -> f64 {
+    let mut parts: Vec<&PartLevels> = meshes.into_iter().flat_map(|mesh| &mesh.closed).collect();
+    let whole: f64 = parts.iter().map(|part| part.area).sum();
+    parts.sort_by(|p, q| q.most_a_triangle.total_cmp(&p.most_a_triangle));
+    let (mut left, mut most) = (triangles as f64, 0.0);
+    for part in parts {
+        if part.most_a_triangle > 0.0 && left > 0.0 {
+            let wanted = (part.area / part.most_a_triangle).min(left);
+            most += wanted * part.most_a_triangle;
+            left -= wanted;
+        }
+    }
+    if whole > 0.0 { (most / whole).min(1.0) } else { 0.0 }
+}
+
 /// Drops all but the first of triangles with the same corners, whichever way they turn.
 fn without_doubles(triangles: &mut Vec<[u32; 3]>) {
     let key = |t: &[u32; 3]| {

@@ -50,6 +50,12 @@ pub(super) fn fins(enclosure: &Enclosure, positions: &[Vec3], triangles: &[[u32;
     heaps
 }
 
+/// Half the lengths of the sides of a box around a part.
+pub(super) fn half_axes(positions: &[Vec3], triangles: &[[u32; 3]]) -> DVec3 {
+    let [u, v, w] = frame(positions, triangles).1;
+    DVec3::new(u.length(), v.length(), w.length())
+}
+
 /// Middle and half axes of a box around a part, along its largest triangle's normal and the largest at a right angle to
 /// that.
 fn frame(positions: &[Vec3], triangles: &[[u32; 3]]) -> (DVec3, [DVec3; 3]) {

@@ -12,6 +12,10 @@ const SIDE: usize = 64;
 /// Pairs of opposite directions.
 pub(super) const DIRECTIONS: usize = 13;
 
+/// What a flat thing of area 1 covers, at most, on the mean over the directions: the greatest length of a sum of the directions with
+/// any signs, by their number.
+const MOST_FLAT: f64 = 0.513_148_779_2;
+
 /// What something covers: a picture a direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Cover(Box<[[u64; SIDE]; DIRECTIONS]>);
@@ -88,6 +92,17 @@ impl Frames {
         areas.sum::<f64>() / DIRECTIONS as f64
     }
 
+    /// The most that one triangle in a box covers on the mean: a bound. `half` is half the box's sides.
+    ///
+    /// In a box, a triangle's shadow on each side is at most half that side, and its area the root of the sum of the
+    /// shadows' squares; seen from one direction, it is at most half of what bounds the picture.
+    pub fn most_a_triangle(&self, half: DVec3) -> f64 {
+        let sides = DVec3::new(half.y * half.z, half.z * half.x, half.x * half.y) * 4.0;
+        let by_area = 0.5 * sides.length() * MOST_FLAT;
+        let pictures = self.weights.iter().map(|weight| weight * (SIDE * SIDE) as f64 * 0.5);
+        by_area.min(pictures.sum::<f64>() / DIRECTIONS as f64)
+    }
+
     /// Areas of the bits of each row of [`Cover::rows`].
     pub fn row_weight(&self, row: usize) -> f64 {
         self.weights[row / SIDE] / DIRECTIONS as f64
@@ -130,4 +145,19 @@ fn fill(t: [DVec2; 3], picture: &mut [u64; SIDE]) {
 /// How many centres lie before a coordinate or at it, 0 to 64.
 fn centres(x: f64) -> usize {
     (x + 0.5).clamp(0.0, SIDE as f64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_flat_thing_covers_more_than_the_greatest_sum_of_directions() {
+        let directions = directions();
+        let sum = |signs: u32| -> DVec3 {
+            directions.iter().enumerate().map(|(k, d)| if signs >> k & 1 != 0 { *d } else { -*d }).sum()
+        };
+        let most = (0..1 << DIRECTIONS).map(|signs| sum(signs).length()).fold(0.0, f64::max) / DIRECTIONS as f64;
+        assert!((MOST_FLAT - most).abs() < 1e-9 && MOST_FLAT >= most, "{most}");
+    }
 }
