@@ -20,6 +20,19 @@ const FACTORS: [(&str, &[&str]); 4] = [
 /// Those that progressive and multi-pass culling have, too.
 const OF_ALL: [usize; 2] = [0, 2];
 
+/// Methods that cull while they draw, each with what it may be told.
+const DRAWING: [&str; 9] = [
+    "hzb",
+    "hzb:first=previous",
+    "stop-and-wait",
+    "stop-and-wait:latency=thread",
+    "chc",
+    "chc:latency=5,order=depth",
+    "chc:latency=40,assume-visible=2",
+    "chc:latency=1000,speculate=on",
+    "chc:latency=thread",
+];
+
 /// Values of some parameters such that every pair of values of two of them occurs: greedily, the row that has most pairs not had
 /// yet, of equals the first.
 fn covering(factors: &[usize]) -> Vec<Vec<usize>> {
@@ -59,6 +72,7 @@ fn methods(bake: &str) -> Vec<String> {
             out.push(format!("{method}:{},rest=0", values.join(",")));
         }
     }
+    out.extend(DRAWING.map(str::to_owned));
     out
 }
 

@@ -33,7 +33,7 @@ fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
-const FORMS: [&str; 5] = ["vfc", "hom", "hom-1998", "hom-progressive", "ideal"];
+const FORMS: [&str; 6] = ["vfc", "hom", "hom-1998", "hom-progressive", "hzb", "ideal"];
 const FILES: [&str; 9] = [
     "comparison.csv",
     "comparison.json",

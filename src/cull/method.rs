@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::coherent::QueryParameters;
 use super::overlap_parameters::{OverlapParameters, overlap_parameters};
 use crate::error::{Error, Result};
 use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
@@ -20,8 +21,19 @@ pub enum Method {
     Hom(HomParameters),
     /// The hierarchical Z-buffer.
     Hzb(HzbParameters),
-    /// The exact visible set.
-    Ideal,
+    /// Occlusion queries: stop-and-wait, or coherent hierarchical culling.
+    Queries(QueryParameters),
+    /// The visible set alone, found beforehand.
+    Ideal(IdealSet),
+}
+
+/// Whose visible set an ideal draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IdealSet {
+    /// That of the exact item buffer (Zhang 1998, 8.3.1).
+    Exact,
+    /// That of stop-and-wait (Bittner et al. 2004, section 5): the best on the same hierarchy.
+    StopAndWait,
 }
 
 /// Parameters of `hzb`.
@@ -243,10 +255,24 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "the CPU draws the picture: occluders cost nothing extra",
         },
         MethodDescription {
+            name: "stop-and-wait",
+            source: "Bittner et al. 2004, 2.3, with occlusion queries in software",
+            guarantee: "conservative with pixels=0",
+            parameters: "latency=0 (steps) or thread, pixels=0, order=priority|depth",
+            when: "to measure chc by",
+        },
+        MethodDescription {
+            name: "chc",
+            source: "Bittner et al. 2004: coherent hierarchical culling",
+            guarantee: "conservative with pixels=0",
+            parameters: "latency=0 (steps) or thread, pixels=0, assume-visible=0 (frames), order=priority|depth, speculate=off|on",
+            when: "answers come late, as from a GPU or another thread, and views change little",
+        },
+        MethodDescription {
             name: "ideal",
-            source: "Zhang 1998, 8.3.1: the objects of an exact item buffer",
+            source: "Zhang 1998, 8.3.1: the objects of an exact item buffer; Bittner et al. 2004: those of stop-and-wait",
             guarantee: "exact; its set is computed beforehand and not timed",
-            parameters: "set=exact",
+            parameters: "set=exact|stop-and-wait",
             when: "to see what any method could gain at most",
         },
     ]
@@ -265,7 +291,9 @@ impl Method {
             "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
             "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
             "hzb" => Method::Hzb(HzbParameters::default()),
-            "ideal" => Method::Ideal,
+            "stop-and-wait" => Method::Queries(QueryParameters::new(false)),
+            "chc" => Method::Queries(QueryParameters::new(true)),
+            "ideal" => Method::Ideal(IdealSet::Exact),
             _ => {
                 let known: Vec<_> = methods().iter().map(|m| m.name).collect();
                 return Err(Error::parameter("method", name, format!("known are {}", known.join(", "))));
@@ -290,11 +318,16 @@ impl Method {
         let unknown = || Error::parameter(format!("{name} parameter"), key, "not known; see `homcull methods`");
         match self {
             Method::Vfc => Err(unknown()),
-            Method::Ideal => match (key, value) {
-                ("set", "exact") => Ok(()),
-                ("set", _) => Err(Error::parameter("set", value, "exact")),
-                _ => Err(unknown()),
-            },
+            Method::Ideal(set) => {
+                *set = match (key, value) {
+                    ("set", "exact") => IdealSet::Exact,
+                    ("set", "stop-and-wait") => IdealSet::StopAndWait,
+                    ("set", _) => return Err(Error::parameter("set", value, "exact or stop-and-wait")),
+                    _ => return Err(unknown()),
+                };
+                Ok(())
+            }
+            Method::Queries(p) => p.set(key, value, unknown),
             Method::Hzb(p) => match (key, value) {
                 ("first", "none" | "previous") => {
                     p.previous_first = value == "previous";
@@ -312,7 +345,9 @@ impl Method {
         match self {
             Method::Vfc => "vfc",
             Method::Hzb(_) => "hzb",
-            Method::Ideal => "ideal",
+            Method::Queries(p) if p.coherent => "chc",
+            Method::Queries(_) => "stop-and-wait",
+            Method::Ideal(_) => "ideal",
             Method::Hom(p) => match p.update {
                 Update::Once => "hom",
                 Update::Batches(_) => "hom-multipass",
@@ -328,7 +363,11 @@ impl Method {
             Method::Hzb(p) => {
                 vec![("first".into(), if p.previous_first { "previous" } else { "none" }.into())]
             }
-            Method::Ideal => vec![("set".into(), "exact".into())],
+            Method::Queries(p) => p.list(),
+            Method::Ideal(set) => {
+                let set = if *set == IdealSet::Exact { "exact" } else { "stop-and-wait" };
+                vec![("set".into(), set.into())]
+            }
             Method::Hom(p) => p.list(),
         }
     }

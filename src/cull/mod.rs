@@ -4,6 +4,8 @@
 //! which owns the walk ([`vfc`], [`hom`], [`ideal`]). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+pub mod chc;
+pub mod coherent;
 mod fade;
 mod feedback;
 pub mod frustum;
@@ -14,7 +16,10 @@ mod method;
 mod nearest_first;
 mod overlap_parameters;
 mod progressive;
+mod query_device;
+mod query_thread;
 mod sources;
+mod stop_and_wait;
 mod test_batch;
 pub mod vfc;
 
@@ -24,9 +29,11 @@ pub use fade::FadeIn;
 pub(crate) use feedback::Feedback;
 pub use feedback::FeedbackLine;
 pub use method::{
-    Database, HomParameters, HzbParameters, Method, MethodDescription, PIPELINE_LAG, Selection, Update, methods,
+    Database, HomParameters, HzbParameters, IdealSet, Method, MethodDescription, PIPELINE_LAG, Selection, Update,
+    methods,
 };
 pub use overlap_parameters::{Hole, OverlapParameters};
+pub use query_device::Waited;
 pub use sources::{OccluderSources, SharedSources};
 
 /// What a frame's culling found, and what it cost in counts.
@@ -44,6 +51,8 @@ pub struct VisibleSet {
     pub queries: u64,
     /// Of the tests that walked the pyramid, by the level that decided them (thesis 8.2.4).
     pub overlap: OverlapStatistics,
+    /// What was waited for answers to occlusion queries.
+    pub waited: Waited,
     /// True when testing was given up for the frame because nothing was hidden.
     pub bypassed: bool,
 }

@@ -12,6 +12,7 @@ use crate::occlusion::{BoxView, Edges, NEAR, ProjectedBox, ProjectedBoxes, proje
 use crate::scene::{Child, WideHierarchy};
 
 /// What waits in the queue, beside its key.
+#[derive(Clone, Copy)]
 pub(super) struct Waiting {
     pub b: ProjectedBox,
     /// `None` for an object; else the group, and the planes it may cross.
@@ -29,6 +30,16 @@ impl Front {
     pub fn push(&mut self, distance: u32, waiting: Waiting) {
         self.heap.push(Reverse(u64::from(distance) << 32 | self.waiting.len() as u64));
         self.waiting.push(waiting);
+    }
+
+    /// Moves all that waits onto a stack, the nearest last.
+    pub fn move_to(&mut self, stack: &mut Vec<Waiting>) {
+        let from = stack.len();
+        while let Some((_, waiting)) = self.pop() {
+            stack.push(*waiting);
+        }
+        stack[from..].reverse();
+        self.waiting.clear();
     }
 
     pub fn pop(&mut self) -> Option<(u32, &Waiting)> {

@@ -119,7 +119,7 @@ pub fn presets() -> &'static [Preset] {
 /// A method of a preset, and what it is called there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Form {
-    /// `vfc`, `hom` (the conservative form), `hom-1998`, `hom-progressive` or `ideal`.
+    /// `vfc`, `hom` (the conservative form), `hom-1998`, `hom-progressive`, `hzb` or `ideal`.
     pub name: &'static str,
     /// The method. A bake that it reads has no file yet: see [`Form::set_bake`].
     pub method: Method,
@@ -175,6 +175,7 @@ impl Preset {
             ("hom", conservative),
             ("hom-1998", of_1998),
             ("hom-progressive", "hom-progressive".to_owned()),
+            ("hzb", "hzb".to_owned()),
             ("ideal", "ideal".to_owned()),
         ];
         // Selection by a bake wants a file, which is known later.
@@ -243,7 +244,7 @@ mod tests {
             let forms = preset.forms().unwrap();
             assert_eq!(
                 forms.iter().map(|f| f.name).collect::<Vec<_>>(),
-                ["vfc", "hom", "hom-1998", "hom-progressive", "ideal"]
+                ["vfc", "hom", "hom-1998", "hom-progressive", "hzb", "ideal"]
             );
             for form in ["hom", "hom-1998"] {
                 let p = hom(&forms, form);

@@ -14,10 +14,12 @@ use super::memory::peak_memory_bytes;
 use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
 use super::statistics::median;
 use super::walk_pipeline;
+use crate::cull::chc::ChcMemory;
+use crate::cull::coherent::{self, QueryParameters};
 use crate::cull::hom::{self, HomFrame};
 use crate::cull::hzb::{self, HzbMemory};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, Method, SharedSources, VisibleSet, ideal};
+use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -199,8 +201,9 @@ struct Runner<'m> {
     memory: VfcMemory,
     hom: Option<HomFrame>,
     hzb: HzbMemory,
+    chc: ChcMemory,
     /// What the frames before left behind: every repetition begins with it.
-    before: (Option<FeedbackLine>, HzbMemory),
+    before: (Option<FeedbackLine>, HzbMemory, ChcMemory),
     tally: Tally,
 }
 
@@ -221,7 +224,7 @@ impl<'m> Runner<'m> {
                 }
                 Some(frame)
             }
-            Method::Vfc | Method::Hzb(_) | Method::Ideal => None,
+            Method::Vfc | Method::Hzb(_) | Method::Queries(_) | Method::Ideal(_) => None,
         };
         Ok(Runner {
             place,
@@ -230,40 +233,49 @@ impl<'m> Runner<'m> {
             memory: VfcMemory::default(),
             hom,
             hzb: HzbMemory::default(),
+            chc: ChcMemory::default(),
             before: Default::default(),
             tally: Tally::default(),
         })
     }
 
     fn begin_frame(&mut self) {
-        self.before = (self.hom.as_ref().map(|hom| hom.memory().clone()), self.hzb.clone());
+        self.before = (self.hom.as_ref().map(|hom| hom.memory().clone()), self.hzb.clone(), self.chc.clone());
         self.tally.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
     }
 
     /// One timed frame; the record keeps the fastest repetition.
     fn draw(&mut self, world: &World<'_>, view: &View, exact: &Exact, options: &WalkOptions<'_>) -> Result<VisibleSet> {
         let prepared = match self.method {
-            Method::Ideal => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
-            Method::Vfc | Method::Hzb(_) | Method::Hom(_) => None,
+            Method::Ideal(IdealSet::Exact) => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
+            Method::Ideal(IdealSet::StopAndWait) => {
+                let stop_and_wait = QueryParameters::new(false);
+                Some(coherent::draw(world, view, &stop_and_wait, &mut self.chc, &mut self.canvas)?)
+            }
+            Method::Vfc | Method::Hzb(_) | Method::Queries(_) | Method::Hom(_) => None,
         };
         if let (Some(hom), Some(before)) = (&mut self.hom, &self.before.0) {
             hom.set_memory(before);
         }
         self.hzb.clone_from(&self.before.1);
+        self.chc.clone_from(&self.before.2);
         let mut stages = StageTimes::default();
         let start = Instant::now();
         let set = match self.method {
-            Method::Ideal => prepared.unwrap_or_default(),
+            Method::Ideal(_) => prepared.unwrap_or_default(),
             Method::Vfc => timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut self.memory)),
             Method::Hom(parameters) => self.cull_hom(world, view, parameters, options, &mut stages)?,
             Method::Hzb(parameters) => timed(&mut stages.draw, || {
                 let first = parameters.previous_first;
                 hzb::draw(world, options.workers, view, first, &mut self.hzb, &mut self.canvas)
             })?,
+            Method::Queries(parameters) => {
+                timed(&mut stages.draw, || coherent::draw(world, view, parameters, &mut self.chc, &mut self.canvas))?
+            }
         };
         let workers = options.workers;
         let canvas = &mut self.canvas;
-        if !matches!(self.method, Method::Hzb(_)) {
+        if !matches!(self.method, Method::Hzb(_) | Method::Queries(_)) {
             timed(&mut stages.draw, || {
                 canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
             })?;

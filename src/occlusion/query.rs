@@ -136,6 +136,31 @@ impl<T: SampleDepths> MapView<'_, T> {
         true
     }
 
+    /// How many samples of the rectangle (not empty, inside the band) something at `z` may show at; beyond `enough` they are not counted on.
+    #[inline(always)]
+    pub fn visible_samples<S: Simd>(&self, s: S, r: SampleRect, z: f32, enough: u32) -> u32 {
+        let mut count = 0;
+        let depth = s.splat_f(z);
+        for by in r.y0 >> 3..=r.y1 >> 3 {
+            for bx in r.x0 >> 3..=r.x1 >> 3 {
+                let (tile, block) = (self.tile(bx >> 2, by >> 2), ((by & 3) * 4 + (bx & 3)) as usize);
+                if self.floors[tile][block] > z {
+                    continue;
+                }
+                let (word, covered) = (rect_word(r, bx, by), self.cover[tile][block]);
+                let samples = self.samples[tile].block(block);
+                for i in 0..4 {
+                    let behind = s.gt_f(s.load_f(&samples[i]), depth) & (covered >> (16 * i)) as Mask;
+                    count += ((word >> (16 * i)) as Mask & !behind).count_ones();
+                }
+                if count > enough {
+                    return count;
+                }
+            }
+        }
+        count
+    }
+
     /// True when a sample of the rectangle (not empty, inside the band) is not covered.
     #[inline(always)]
     pub fn is_open<S: Simd>(&self, s: S, r: SampleRect) -> bool {

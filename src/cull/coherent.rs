@@ -1,0 +1,249 @@
+//! What stop-and-wait and coherent hierarchical culling share: their parameters, and a frame of either on a query device.
+//!
+//! Both draw while they cull, on one device that owns the picture. The set they give is what was drawn.
+
+use homcull_simd::{Kernel, Level, Simd};
+
+use super::VisibleSet;
+use super::chc::{self, ChcMemory};
+use super::nearest_first::{Front, Waiting, begin, open_group};
+use super::query_device::{Drawing, QueryDevice, SteppedDevice, Waited};
+use super::query_thread;
+use super::stop_and_wait;
+use super::vfc::World;
+use crate::draw::{BandDraw, Canvas, clear, shade};
+use crate::error::{Error, Result};
+use crate::occlusion::{BoxView, PlacedRows, ProjectedBox, ProjectedBoxes};
+use crate::raster::{Engine, RasterCounts};
+use crate::scene::WideHierarchy;
+use crate::view::View;
+
+/// When a query is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Latency {
+    /// So many commands later: the same always.
+    Steps(u32),
+    /// When a thread of the device's own is done with it.
+    Thread,
+}
+
+/// In which order nodes are visited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Traversal {
+    /// Depth first, the nearest child first.
+    Depth,
+    /// By distance, whatever their parents (section 4, *priority queue*).
+    Priority,
+}
+
+/// Parameters of `stop-and-wait` and `chc`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QueryParameters {
+    /// False for stop-and-wait.
+    pub coherent: bool,
+    /// When a query is answered.
+    pub latency: Latency,
+    /// Frames for which a visible leaf is assumed to stay visible (t_av).
+    pub assume_visible: u32,
+    /// Samples up to which a node counts as hidden (n_vp); above 0 it is approximate.
+    pub pixels: u32,
+    /// The order of the walk.
+    pub order: Traversal,
+    /// Whether nodes that wait for their answers are drawn, or opened, rather than waited for.
+    pub speculate: bool,
+}
+
+impl QueryParameters {
+    /// The defaults of chc, or of stop-and-wait.
+    pub fn new(coherent: bool) -> QueryParameters {
+        let (latency, order) = (Latency::Steps(0), Traversal::Priority);
+        QueryParameters { coherent, latency, assume_visible: 0, pixels: 0, order, speculate: false }
+    }
+
+    /// Sets a parameter by name; `unknown` says that there is none of the name.
+    pub(super) fn set(&mut self, key: &str, value: &str, unknown: impl Fn() -> Error) -> Result<()> {
+        let number = |most: u32| match value.parse() {
+            Ok(n) if n <= most => Ok(n),
+            _ => Err(Error::parameter(key, value, format!("a number from 0 to {most}"))),
+        };
+        match key {
+            "latency" if value == "thread" => self.latency = Latency::Thread,
+            "latency" => self.latency = Latency::Steps(number(1_000_000)?),
+            "pixels" => self.pixels = number(1_000_000)?,
+            "assume-visible" if self.coherent => self.assume_visible = number(1_000)?,
+            "order" => {
+                self.order = match value {
+                    "priority" => Traversal::Priority,
+                    "depth" => Traversal::Depth,
+                    _ => return Err(Error::parameter(key, value, "priority or depth")),
+                }
+            }
+            "speculate" if self.coherent => {
+                self.speculate = match value {
+                    "on" | "off" => value == "on",
+                    _ => return Err(Error::parameter(key, value, "on or off")),
+                }
+            }
+            _ => return Err(unknown()),
+        }
+        Ok(())
+    }
+
+    /// All parameters with their values.
+    pub(super) fn list(&self) -> Vec<(String, String)> {
+        let latency = match self.latency {
+            Latency::Steps(steps) => steps.to_string(),
+            Latency::Thread => "thread".into(),
+        };
+        let order = if self.order == Traversal::Depth { "depth" } else { "priority" };
+        let mut list = vec![
+            ("latency".into(), latency),
+            ("pixels".into(), self.pixels.to_string()),
+            ("order".into(), order.into()),
+        ];
+        if self.coherent {
+            list.push(("assume-visible".into(), self.assume_visible.to_string()));
+            list.push(("speculate".into(), if self.speculate { "on" } else { "off" }.into()));
+        }
+        list
+    }
+}
+
+/// What a walk needs of a frame.
+pub(super) struct Frame<'a> {
+    pub world: &'a World<'a>,
+    pub box_view: &'a BoxView,
+    /// Samples up to which a node counts as hidden.
+    pub threshold: u32,
+}
+
+/// Nodes to visit.
+pub(super) struct Pending {
+    order: Traversal,
+    front: Front,
+    /// Depth first: the nearest last.
+    stack: Vec<Waiting>,
+    children: ProjectedBoxes,
+}
+
+impl Pending {
+    /// The root, and what has no box.
+    pub fn new(tree: &WideHierarchy, order: Traversal) -> Pending {
+        let mut pending =
+            Pending { order, front: Front::default(), stack: Vec::new(), children: ProjectedBoxes::new() };
+        begin(tree, &mut pending.front);
+        pending.stack_up();
+        pending
+    }
+
+    /// The next node: its box, and `None` for an object.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<(ProjectedBox, Option<(u32, u8)>)> {
+        #[allow(clippy::manual_map)] // kernels hold no closures
+        match self.order {
+            Traversal::Depth => match self.stack.pop() {
+                Some(w) => Some((w.b, w.group)),
+                None => None,
+            },
+            Traversal::Priority => match self.front.pop() {
+                Some((_, w)) => Some((w.b, w.group)),
+                None => None,
+            },
+        }
+    }
+
+    /// Puts a group's children that meet the frustum among what is to be visited.
+    #[inline(always)]
+    pub fn open<S: Simd>(&mut self, s: S, frame: &Frame<'_>, group: u32, planes: u8) {
+        open_group(s, frame.box_view, &frame.world.tree, group, planes, &mut self.children, &mut self.front);
+        self.stack_up();
+    }
+
+    fn stack_up(&mut self) {
+        if self.order == Traversal::Depth {
+            self.front.move_to(&mut self.stack);
+        }
+    }
+}
+
+/// Culls and draws a frame.
+///
+/// # Errors
+/// [`Error::View`] when the view and the canvas differ in size.
+pub fn draw(
+    world: &World<'_>,
+    view: &View,
+    parameters: &QueryParameters,
+    memory: &mut ChcMemory,
+    canvas: &mut Canvas,
+) -> Result<VisibleSet> {
+    let level = canvas.level();
+    memory.begin(world);
+    let mut bands = canvas.bands(view, 1)?;
+    let Some(band) = bands.pop() else { return Ok(VisibleSet::default()) };
+    let box_view = world.box_view(view);
+    let on = OnDevice { level, world, view, box_view: &box_view, parameters };
+    Ok(match parameters.latency {
+        Latency::Steps(latency) => level.run(Stepped { on, latency, memory, band }),
+        Latency::Thread => query_thread::run(on, memory, band),
+    })
+}
+
+/// A frame, and what it is drawn with.
+#[derive(Clone, Copy)]
+pub(super) struct OnDevice<'a> {
+    pub level: Level,
+    pub world: &'a World<'a>,
+    pub view: &'a View,
+    pub box_view: &'a BoxView,
+    pub parameters: &'a QueryParameters,
+}
+
+impl<'w> OnDevice<'w> {
+    /// The cleared band as a drawing.
+    #[inline(always)]
+    pub fn drawing<'q, 'a, S: Simd>(&self, s: S, band: BandDraw<'a>) -> (Drawing<'a, 'a, 'w, S>, &'a mut [i32]) {
+        let BandDraw { mut sink, queues, image } = band;
+        clear(&mut sink);
+        let engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };
+        let OnDevice { world, view, box_view, .. } = *self;
+        let threshold = self.parameters.pixels;
+        (Drawing { engine, placed: PlacedRows::new(view), world, box_view, threshold }, image)
+    }
+
+    /// Walks the frame on a device.
+    #[inline(always)]
+    pub fn walk<S: Simd, D: QueryDevice>(&self, s: S, memory: &mut ChcMemory, device: &mut D) -> VisibleSet {
+        let frame = Frame { world: self.world, box_view: self.box_view, threshold: self.parameters.pixels };
+        let mut set = if self.parameters.coherent {
+            chc::walk(s, &frame, self.parameters, memory, device)
+        } else {
+            stop_and_wait::walk(s, &frame, self.parameters.order, device)
+        };
+        let Waited { steps, nanoseconds } = device.waited();
+        (set.waited.steps, set.waited.nanoseconds) = (steps, nanoseconds);
+        set
+    }
+}
+
+struct Stepped<'f, 'a> {
+    on: OnDevice<'f>,
+    latency: u32,
+    memory: &'f mut ChcMemory,
+    band: BandDraw<'a>,
+}
+
+impl Kernel for Stepped<'_, '_> {
+    type Output = VisibleSet;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) -> VisibleSet {
+        let Stepped { on, latency, memory, band } = self;
+        let (drawing, image) = on.drawing(s, band);
+        let mut device = SteppedDevice::new(drawing, latency);
+        let set = on.walk(s, memory, &mut device);
+        let drawing = device.finish();
+        shade(s, &drawing.engine.sink, &on.world.scene.colors, image);
+        set
+    }
+}
