@@ -44,6 +44,16 @@ pub enum Command {
         #[arg(long = "method", value_name = "METHOD")]
         methods: Vec<String>,
     },
+    /// Walk with every method, and with every knob that trades error for time: both beside each other, with a plot
+    Compare {
+        /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
+        scene: String,
+    },
+    /// Say what a scene needs and what to leave out, with the counts behind it
+    Advise {
+        /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
+        scene: String,
+    },
     /// Measure one kernel alone
     Measure {
         /// The kernel
@@ -87,6 +97,13 @@ pub enum Command {
     Methods,
     /// Run the table of stiff and extreme cases
     Stability,
+}
+
+impl Options {
+    /// True when a report goes to standard output: then nothing else does.
+    pub fn reports_to_stdout(&self) -> bool {
+        [&self.json, &self.csv].into_iter().any(|target| matches!(target, Some(Target::Stdout)))
+    }
 }
 
 /// The options of `bake`.

@@ -5,8 +5,10 @@ macro_rules! say {
     ($($text:tt)*) => { crate::cli::say(format_args!($($text)*)) };
 }
 
+mod advise;
 pub mod arguments;
 mod bake;
+mod compare;
 mod demonstration;
 mod experiment;
 mod files;
@@ -70,6 +72,8 @@ fn execute(arguments: &Arguments) -> Result<()> {
         Some(Command::Inspect { scene, occluders: true }) => occluders::run(scene, options),
         Some(Command::Inspect { scene, .. }) => inspect::scene(scene, options),
         Some(Command::Experiment { name, scene }) => experiment::run(name.as_deref(), scene.as_deref(), options),
+        Some(Command::Compare { scene }) => compare::run(scene, options),
+        Some(Command::Advise { scene }) => advise::run(scene, options),
         Some(Command::Scenes) => inspect::generators(),
         Some(Command::Methods) => inspect::methods(),
         Some(Command::Stability) => stability::run(options),

@@ -118,8 +118,7 @@ fn write_files(preset: &Preset, report: &WalkReport, out: &Path) -> Result<()> {
 /// The walk's table and files as asked for, then the preset's own table.
 fn print(preset: &Preset, report: &WalkReport, options: &Options, out: &Path) -> Result<()> {
     walk::print(report, options)?;
-    let to_stdout = [&options.json, &options.csv].into_iter().any(|t| matches!(t, Some(Target::Stdout)));
-    if !options.quiet && !to_stdout {
+    if !options.quiet && !options.reports_to_stdout() {
         say!("\n{}\nGraphs, pictures and tables: {}", Comparison { preset, report }.text(), out.display());
     }
     Ok(())

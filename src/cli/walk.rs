@@ -65,8 +65,6 @@ pub fn walk_setting(
 
 /// The files asked for, then the table on standard output unless JSON or CSV go there.
 pub fn print(report: &WalkReport, options: &Options) -> Result<()> {
-    use crate::measure::report_target::Target;
-    let to_stdout = |t: &Option<Target>| matches!(t, Some(Target::Stdout));
     if let Some(target) = &options.json {
         json::write_json(target, &json::walk(report))?;
     }
@@ -74,7 +72,7 @@ pub fn print(report: &WalkReport, options: &Options) -> Result<()> {
         csv::write_csv(target, report)?;
     }
     // Last: a file that cannot be written leaves nothing on standard output.
-    if !options.quiet && !to_stdout(&options.json) && !to_stdout(&options.csv) {
+    if !options.quiet && !options.reports_to_stdout() {
         say!("{}", table_walk::walk(report).trim_end());
     }
     Ok(())
