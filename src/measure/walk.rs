@@ -5,21 +5,17 @@
 //! never timed. Methods in the pipeline cannot take turns frame by frame: they walk the whole path when the others are done,
 //! once to be judged, then to be timed (`walk_pipeline.rs`).
 
-use std::time::Instant;
-
 use homcull_simd::Level;
 
 use super::clock::clock_ghz;
 use super::memory::peak_memory_bytes;
-use super::report::{FrameRecord, MethodRun, StageTimes, WalkReport};
+use super::report::{FrameRecord, MethodRun, WalkReport};
+use super::runner::Runner;
 use super::statistics::median;
 use super::walk_pipeline;
-use crate::cull::chc::ChcMemory;
-use crate::cull::coherent::{self, QueryParameters};
-use crate::cull::hom::{self, HomFrame};
-use crate::cull::hzb::{self, HzbMemory};
+use crate::cull::hom::HomFrame;
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedSources, VisibleSet, ideal};
+use crate::cull::{Method, SharedSources, VisibleSet};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -131,12 +127,12 @@ fn walk_in_turn(
                 let i = (i + repetition) % runners.len();
                 let set = runners[i].draw(world, view, exact, options)?;
                 if repetition == 0 {
-                    let Runner { place, canvas, hom, tally, .. } = &mut runners[i];
+                    let method = runners[i].place;
+                    let (canvas, tally, hom) = runners[i].look();
                     tally.judge(world, &set, canvas, exact, options.exact);
-                    let hom = hom.as_mut();
                     look(FrameLook {
                         frame,
-                        method: *place,
+                        method,
                         view,
                         canvas,
                         drawn: &set.objects,
@@ -157,7 +153,7 @@ pub(super) struct Exact {
     pub in_frustum: Vec<u32>,
     triangles_in_frustum: u64,
     /// Samples that show each object.
-    samples: Vec<u32>,
+    pub samples: Vec<u32>,
     /// Samples that each object covers, hidden or not.
     fragments: Vec<u64>,
     hash: u64,
@@ -189,122 +185,6 @@ impl Exact {
         self.hash = self.canvas.hash(world.scene);
         (self.in_frustum, self.triangles_in_frustum) = (set.objects, set.triangles_in_frustum);
         Ok(())
-    }
-}
-
-/// One method at work.
-struct Runner<'m> {
-    /// Its place among the methods.
-    place: usize,
-    method: &'m Method,
-    canvas: Canvas,
-    memory: VfcMemory,
-    hom: Option<HomFrame>,
-    hzb: HzbMemory,
-    chc: ChcMemory,
-    /// What the frames before left behind: every repetition begins with it.
-    before: (Option<FeedbackLine>, HzbMemory, ChcMemory),
-    tally: Tally,
-}
-
-impl<'m> Runner<'m> {
-    fn new(
-        place: usize,
-        method: &'m Method,
-        world: &World<'_>,
-        view: &View,
-        options: &WalkOptions<'_>,
-        sources: &mut SharedSources,
-    ) -> Result<Runner<'m>> {
-        let hom = match method {
-            Method::Hom(parameters) => {
-                let mut frame = HomFrame::new(view, options.level, parameters)?;
-                if let Some(sources) = sources.of(world.scene, parameters)? {
-                    frame.set_sources(sources);
-                }
-                Some(frame)
-            }
-            Method::Vfc | Method::Hzb(_) | Method::Queries(_) | Method::Ideal(_) => None,
-        };
-        Ok(Runner {
-            place,
-            method,
-            canvas: Canvas::new(view.viewport(), options.level)?,
-            memory: VfcMemory::default(),
-            hom,
-            hzb: HzbMemory::default(),
-            chc: ChcMemory::default(),
-            before: Default::default(),
-            tally: Tally::default(),
-        })
-    }
-
-    fn begin_frame(&mut self) {
-        self.before = (self.hom.as_ref().map(|hom| hom.memory().clone()), self.hzb.clone(), self.chc.clone());
-        self.tally.frames.push(FrameRecord { frame_ms: f64::INFINITY, ..FrameRecord::default() });
-    }
-
-    /// One timed frame; the record keeps the fastest repetition.
-    fn draw(&mut self, world: &World<'_>, view: &View, exact: &Exact, options: &WalkOptions<'_>) -> Result<VisibleSet> {
-        let prepared = match self.method {
-            Method::Ideal(IdealSet::Exact) => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
-            Method::Ideal(IdealSet::StopAndWait) => {
-                let stop_and_wait = QueryParameters::new(false);
-                Some(coherent::draw(world, view, &stop_and_wait, &mut self.chc, &mut self.canvas)?)
-            }
-            Method::Vfc | Method::Hzb(_) | Method::Queries(_) | Method::Hom(_) => None,
-        };
-        if let (Some(hom), Some(before)) = (&mut self.hom, &self.before.0) {
-            hom.set_memory(before);
-        }
-        self.hzb.clone_from(&self.before.1);
-        self.chc.clone_from(&self.before.2);
-        let mut stages = StageTimes::default();
-        let start = Instant::now();
-        let set = match self.method {
-            Method::Ideal(_) => prepared.unwrap_or_default(),
-            Method::Vfc => timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut self.memory)),
-            Method::Hom(parameters) => self.cull_hom(world, view, parameters, options, &mut stages)?,
-            Method::Hzb(parameters) => timed(&mut stages.draw, || {
-                let first = parameters.previous_first;
-                hzb::draw(world, options.workers, view, first, &mut self.hzb, &mut self.canvas)
-            })?,
-            Method::Queries(parameters) => {
-                timed(&mut stages.draw, || coherent::draw(world, view, parameters, &mut self.chc, &mut self.canvas))?
-            }
-        };
-        let workers = options.workers;
-        let canvas = &mut self.canvas;
-        if !matches!(self.method, Method::Hzb(_) | Method::Queries(_)) {
-            timed(&mut stages.draw, || {
-                canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
-            })?;
-        }
-        let ms = start.elapsed().as_secs_f64() * 1e3;
-        if let Some(record) = self.tally.frames.last_mut().filter(|r| ms < r.frame_ms) {
-            (record.frame_ms, record.stage_ms) = (ms, stages);
-        }
-        Ok(set)
-    }
-
-    fn cull_hom(
-        &mut self,
-        world: &World<'_>,
-        view: &View,
-        parameters: &HomParameters,
-        options: &WalkOptions<'_>,
-        stages: &mut StageTimes,
-    ) -> Result<VisibleSet> {
-        let frame = match self.hom.take() {
-            Some(frame) => frame,
-            None => HomFrame::new(view, options.level, parameters)?,
-        };
-        let frame = timed(&mut stages.select, || hom::select_occluders(world, options.level, view, parameters, frame))?;
-        let frame = timed(&mut stages.occluders, || hom::draw_occluders(world, options.workers, frame))?;
-        let frame = timed(&mut stages.pyramid, || hom::build_pyramid(frame));
-        let (set, frame) = timed(&mut stages.cull, || hom::cull(world, options.workers, parameters, frame))?;
-        self.hom = Some(frame);
-        Ok(set)
     }
 }
 
@@ -365,12 +245,4 @@ impl Tally {
             overlap: self.overlap,
         }
     }
-}
-
-/// Runs something and takes down its milliseconds.
-fn timed<R>(ms: &mut f64, run: impl FnOnce() -> R) -> R {
-    let start = Instant::now();
-    let result = run();
-    *ms = start.elapsed().as_secs_f64() * 1e3;
-    result
 }
