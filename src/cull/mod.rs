@@ -6,6 +6,7 @@
 
 pub mod chc;
 pub mod coherent;
+pub mod detail;
 mod fade;
 mod feedback;
 pub mod frustum;

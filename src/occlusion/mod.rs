@@ -30,7 +30,7 @@ mod verdict;
 
 pub use assess::Assessment;
 #[cfg(feature = "bvh")]
-pub(crate) use boxes::{BoxGroup, NEAR};
+pub(crate) use boxes::{BoxGroup, CUT, NEAR};
 pub use boxes::{BoxSet, ProjectedBox, ProjectedBoxes};
 pub use buffer::{Occluder, Occluders, OcclusionBuffer, OcclusionSettings};
 pub use contrast::relative_luminance;
