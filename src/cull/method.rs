@@ -19,6 +19,8 @@ pub enum Method {
     Vfc,
     /// Hierarchical occlusion maps.
     Hom(HomParameters),
+    /// Occlusion horizons.
+    Horizons,
     /// The hierarchical Z-buffer.
     Hzb(HzbParameters),
     /// Occlusion queries: stop-and-wait, or coherent hierarchical culling.
@@ -248,6 +250,13 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
+            name: "horizons",
+            source: "Downs et al. 2001, in Russin's lecture: occlusion horizons; intervals of azimuth and slope, upright boxes inside what is drawn",
+            guarantee: "conservative as sets of points; of closed opaque objects, y up",
+            parameters: "none",
+            when: "cities of closed buildings, from the street; nothing is drawn to decide",
+        },
+        MethodDescription {
             name: "hzb",
             source: "Greene, Kass and Miller 1993, in Zhang 1998, 2.2.3.5: the Z-buffer of the final draw, through the hierarchy",
             guarantee: "conservative",
@@ -290,6 +299,7 @@ impl Method {
             "hom" => Method::Hom(HomParameters::new(Update::Once)),
             "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
             "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
+            "horizons" => Method::Horizons,
             "hzb" => Method::Hzb(HzbParameters::default()),
             "stop-and-wait" => Method::Queries(QueryParameters::new(false)),
             "chc" => Method::Queries(QueryParameters::new(true)),
@@ -317,7 +327,7 @@ impl Method {
     fn set(&mut self, name: &str, key: &str, value: &str) -> Result<()> {
         let unknown = || Error::parameter(format!("{name} parameter"), key, "not known; see `homcull methods`");
         match self {
-            Method::Vfc => Err(unknown()),
+            Method::Vfc | Method::Horizons => Err(unknown()),
             Method::Ideal(set) => {
                 *set = match (key, value) {
                     ("set", "exact") => IdealSet::Exact,
@@ -344,6 +354,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Method::Vfc => "vfc",
+            Method::Horizons => "horizons",
             Method::Hzb(_) => "hzb",
             Method::Queries(p) if p.coherent => "chc",
             Method::Queries(_) => "stop-and-wait",
@@ -359,7 +370,7 @@ impl Method {
     /// All parameters with their values.
     pub fn parameters(&self) -> Vec<(String, String)> {
         match self {
-            Method::Vfc => Vec::new(),
+            Method::Vfc | Method::Horizons => Vec::new(),
             Method::Hzb(p) => {
                 vec![("first".into(), if p.previous_first { "previous" } else { "none" }.into())]
             }

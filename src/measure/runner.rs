@@ -7,11 +7,13 @@ use super::walk::{Exact, Tally, WalkOptions};
 use crate::cull::chc::ChcMemory;
 use crate::cull::coherent::{self, QueryParameters};
 use crate::cull::hom::{self, HomFrame};
+use crate::cull::horizons::{self, HorizonsMemory};
 use crate::cull::hzb::{self, HzbMemory};
 use crate::cull::vfc::{self, VfcMemory, World};
 use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::select::Prisms;
 use crate::view::View;
 
 /// One method at work.
@@ -33,6 +35,7 @@ enum State {
     Hom(Option<Box<HomFrame>>),
     Hzb(HzbMemory),
     Queries(ChcMemory),
+    Horizons(Box<(Prisms, HorizonsMemory)>),
 }
 
 /// The part of it that a frame reads.
@@ -54,6 +57,7 @@ impl State {
         Ok(match method {
             Method::Vfc | Method::Ideal(IdealSet::Exact) => State::Vfc(VfcMemory::default()),
             Method::Hzb(_) => State::Hzb(HzbMemory::default()),
+            Method::Horizons => State::Horizons(Box::new((prisms_of(world)?, HorizonsMemory::default()))),
             Method::Queries(_) | Method::Ideal(IdealSet::StopAndWait) => State::Queries(ChcMemory::default()),
             Method::Hom(parameters) => {
                 let mut frame = HomFrame::new(view, options.level, parameters)?;
@@ -70,7 +74,7 @@ impl State {
             State::Hom(Some(frame)) => Before::Hom(frame.memory().clone()),
             State::Hzb(memory) => Before::Hzb(memory.clone()),
             State::Queries(memory) => Before::Queries(memory.clone()),
-            State::Vfc(_) | State::Hom(None) => Before::Nothing,
+            State::Vfc(_) | State::Hom(None) | State::Horizons(_) => Before::Nothing,
         }
     }
 
@@ -176,6 +180,9 @@ impl<'m> Runner<'m> {
             (Method::Queries(parameters), State::Queries(memory)) => {
                 timed(&mut stages.draw, || coherent::draw(world, view, parameters, memory, canvas))
             }
+            (_, State::Horizons(state)) => {
+                Ok(timed(&mut stages.cull, || horizons::cull(world, &state.0, options.level, view, &mut state.1)))
+            }
             (_, State::Vfc(memory)) => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, memory))),
             // A state is made for its method.
             _ => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut VfcMemory::default()))),
@@ -201,6 +208,13 @@ fn cull_hom(
     let (set, frame) = timed(&mut stages.cull, || hom::cull(world, options.workers, parameters, frame))?;
     *state = Some(Box::new(frame));
     Ok(set)
+}
+
+/// The occluders of horizons; an error where there are none, as the method does not apply then.
+fn prisms_of(world: &World<'_>) -> Result<Prisms> {
+    let prisms = Prisms::new(world.scene)?;
+    let reason = "no object has a closed, opaque, upright part with a box inside: there is nothing to occlude with";
+    if prisms.is_empty() { Err(Error::parameter("method", "horizons", reason)) } else { Ok(prisms) }
 }
 
 /// Runs something and takes down its milliseconds.

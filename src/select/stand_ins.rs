@@ -117,6 +117,9 @@ impl Form {
     }
 }
 
+#[cfg(feature = "lod")]
+pub(super) use make::{mesh, own_facing};
+
 #[cfg(not(feature = "lod"))]
 mod make {
     use super::{Error, PreparedScene, Result, StandIns};
@@ -204,7 +207,7 @@ mod make {
     }
 
     /// The side of its mesh's triangles that an object shows: a mirror turns them over; `None` where it is pressed flat.
-    fn own_facing(object: &Occluder) -> Option<Facing> {
+    pub fn own_facing(object: &Occluder) -> Option<Facing> {
         let turned = object.rotation.map_or(1.0, |r| r.as_dmat3().determinant());
         match (object.facing, turned) {
             (facing, t) if t > 0.0 => Some(facing),
@@ -215,7 +218,8 @@ mod make {
         }
     }
 
-    fn mesh(scene: &PreparedScene, mesh: MeshId) -> Mesh {
+    /// A mesh as it was given, each triangle with corners of its own.
+    pub fn mesh(scene: &PreparedScene, mesh: MeshId) -> Mesh {
         let corners = scene.meshes.corners(mesh);
         let triangles = (0..corners.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         Mesh::from_checked(corners.into_flattened(), triangles)
