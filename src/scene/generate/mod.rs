@@ -3,11 +3,13 @@
 //! Integer hashes draw the numbers, `libm` does the trigonometry, and the number of triangles is met by whole objects.
 
 mod city;
+mod forest;
 mod machine_room;
 mod piping;
 mod plant;
 mod solid;
 mod stock;
+mod teapots;
 mod terrain;
 
 use super::Scene;
@@ -42,7 +44,7 @@ pub struct Generator {
 /// Most triangles that a generator makes: some 4 GB of scene.
 const MOST_TRIANGLES: u64 = 100_000_000;
 
-static GENERATORS: [Generator; 4] = [
+static GENERATORS: [Generator; 6] = [
     Generator {
         name: "city",
         about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
@@ -65,6 +67,20 @@ static GENERATORS: [Generator; 4] = [
         build: machine_room::build,
     },
     Generator {
+        name: "teapots",
+        about: "teapots of 2,304 triangles, whole ones only, at random in a long thin box; a walk from one end past the long side to the other",
+        seed: 1,
+        triangles: 11_520_000,
+        build: teapots::build,
+    },
+    Generator {
+        name: "forest",
+        about: "oaks, firs, saplings, bushes and ferns, leaf by leaf: small scattered occluders alone; a winding walk through the wood",
+        seed: 1,
+        triangles: 3_000_000,
+        build: forest::build,
+    },
+    Generator {
         name: "terrain",
         about: "rolling open ground with sparse trees, rocks and huts: nothing to cull",
         seed: 1,
@@ -79,7 +95,7 @@ pub fn generators() -> &'static [Generator] {
 }
 
 /// Generates `NAME[:key=value,...]`, such as `city:seed=7,triangles=1000000`. Keys are `seed` (any u64) and `triangles` (2
-/// to 100,000,000; an even number is met exactly, an odd one by one less).
+/// to 100,000,000; an even number is met exactly, an odd one by one less, but `teapots` by whole teapots, at least one).
 ///
 /// # Errors
 /// [`Error::Parameter`] naming the generator, key or value that is not known, with those that are.
