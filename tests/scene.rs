@@ -141,7 +141,7 @@ fn soup(points: &[Vec3]) -> Scene {
         color: [1, 2, 3],
         opacity: 0.25,
     };
-    Scene { name: "test".into(), meshes: vec![mesh], objects: vec![object] }
+    Scene { name: "test".into(), meshes: vec![mesh], objects: vec![object], ..Scene::default() }
 }
 
 fn grid_points(n: i32) -> Vec<Vec3> {

@@ -1,6 +1,7 @@
 //! Scenes: meshes, objects with f64 positions, loaders, generators, subdivision, and the hierarchy over them.
 
 mod benchmark;
+mod cells;
 mod generate;
 #[cfg(feature = "bvh")]
 mod hierarchy;
@@ -26,6 +27,7 @@ mod wide;
 
 pub use crate::raster::Facing;
 pub use benchmark::{Benchmark, Reference, ReferenceAnswer, load_benchmark, load_reference};
+pub use cells::{Cell, Cells, Portal};
 pub use generate::{Generated, Generator, generators, parse};
 #[cfg(feature = "bvh")]
 pub use hierarchy::{Hierarchy, MAX_DEPTH, Node};

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Mat3};
 
-use super::Mesh;
+use super::{Cells, Mesh};
 use crate::geometry::Aabb;
 use crate::hash::Hash;
 use crate::raster::Facing;
@@ -43,6 +43,8 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// In order of id.
     pub objects: Vec<Object>,
+    /// Its cells and portals, if it brings them.
+    pub cells: Option<Cells>,
 }
 
 impl Scene {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Mat3, Vec3};
 
 use super::model::rotate;
-use super::{Object, Scene};
+use super::{Cells, Object, Scene};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::occlusion::{BoxSet, Occluder, optical_depth, relative_luminance};
@@ -28,6 +28,8 @@ pub struct PreparedScene {
     pub first_triangle: Vec<u32>,
     /// Flat-shaded colour of each triangle, 0x00BBGGRR.
     pub colors: Vec<i32>,
+    /// The scene's cells and portals, if it brings them.
+    pub cells: Option<Cells>,
 }
 
 impl PreparedScene {
@@ -47,6 +49,7 @@ impl PreparedScene {
             return Err(most("objects"));
         }
         let mut out = PreparedScene { hash: scene.hash(), origin: origin_of(scene), ..PreparedScene::default() };
+        out.cells = scene.cells.clone();
         for mesh in &scene.meshes {
             out.meshes.add(mesh.positions(), mesh.triangles())?;
         }

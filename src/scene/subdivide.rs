@@ -32,7 +32,7 @@ impl Subdivision {
 /// The scene with every oversized object replaced, in place, by its parts `name#0`, `name#1` and so on. Objects that share
 /// a mesh share its parts. The rest is untouched.
 pub fn subdivide(scene: Scene, limits: &Subdivision) -> Scene {
-    let Scene { name, meshes: whole, objects } = scene;
+    let Scene { name, meshes: whole, objects, cells } = scene;
     let mut whole: Vec<Option<Mesh>> = whole.into_iter().map(Some).collect();
     // Where the parts of each mesh are in the new list; made on first use, so that unused meshes are not split.
     let mut parts: Vec<Option<std::ops::Range<u32>>> = vec![None; whole.len()];
@@ -53,7 +53,7 @@ pub fn subdivide(scene: Scene, limits: &Subdivision) -> Scene {
             split.extend(range.clone().enumerate().map(part));
         }
     }
-    Scene { name, meshes, objects: split }
+    Scene { name, meshes, objects: split, cells }
 }
 
 fn split_mesh(mesh: Mesh, limits: &Subdivision) -> Vec<Mesh> {

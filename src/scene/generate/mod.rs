@@ -7,6 +7,7 @@ mod forest;
 mod machine_room;
 mod piping;
 mod plant;
+mod rooms;
 mod solid;
 mod stock;
 mod teapots;
@@ -44,7 +45,7 @@ pub struct Generator {
 /// Most triangles that a generator makes: some 4 GB of scene.
 const MOST_TRIANGLES: u64 = 100_000_000;
 
-static GENERATORS: [Generator; 6] = [
+static GENERATORS: [Generator; 7] = [
     Generator {
         name: "city",
         about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
@@ -79,6 +80,13 @@ static GENERATORS: [Generator; 6] = [
         seed: 1,
         triangles: 3_000_000,
         build: forest::build,
+    },
+    Generator {
+        name: "rooms",
+        about: "a building of rooms, corridors and stairs with furniture, and its cells and portals; a walk through doorways and up",
+        seed: 1,
+        triangles: 400_000,
+        build: rooms::build,
     },
     Generator {
         name: "terrain",

@@ -207,6 +207,22 @@ impl Solid {
         self
     }
 
+    /// A flat four-sided face, counter-clockwise from its front, not closed: 2 triangles. Corners that are there already are shared.
+    pub fn quad(&mut self, corners: [Vec3; 4]) -> &mut Solid {
+        if self.surfaces.is_empty() {
+            self.begin();
+        }
+        let [a, b, c, d] = corners.map(|p| {
+            let known = self.positions.iter().rposition(|&q| q == p);
+            known.unwrap_or_else(|| {
+                self.positions.push(p);
+                self.positions.len() - 1
+            }) as u32
+        });
+        self.triangles.extend([[a, b, c], [a, c, d]]);
+        self
+    }
+
     /// A surface over a grid of heights, facing up: vertex (i, j) is `grid(i, j)`, with x growing by i and z by j.
     pub fn sheet(&mut self, cells: u32, grid: impl Fn(u32, u32) -> Vec3) -> &mut Solid {
         let (first, row) = (self.begin(), cells + 1);
