@@ -54,7 +54,7 @@ pub(super) fn build(seed: u64, triangles: u64) -> Generated {
         opacity: 1.0,
     };
     let objects = places.into_iter().enumerate().map(object).collect();
-    let scene = Scene { name: "teapots".into(), meshes: vec![teapot()], objects };
+    let scene = Scene { name: "teapots".into(), meshes: vec![teapot()], objects, cells: None };
     Generated { scene, path: walk(half), frames: 120 }
 }
 
