@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::coherent::QueryParameters;
 use super::overlap_parameters::{OverlapParameters, overlap_parameters};
+use super::portals::PortalParameters;
 use crate::error::{Error, Result};
 use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
 use crate::select::{
@@ -19,6 +20,8 @@ pub enum Method {
     Vfc,
     /// Hierarchical occlusion maps.
     Hom(HomParameters),
+    /// Cells and portals.
+    Portals(PortalParameters),
     /// Occlusion horizons.
     Horizons,
     /// The hierarchical Z-buffer.
@@ -250,6 +253,13 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
+            name: "portals",
+            source: "Luebke and Georges 1995; Russin's lecture, portal culling",
+            guarantee: "conservative for cells whose walls have no cracks",
+            parameters: "clip=polygon|rectangle",
+            when: "indoors, where the scene has cells: nothing is drawn for it",
+        },
+        MethodDescription {
             name: "horizons",
             source: "Downs et al. 2001, in Russin's lecture: occlusion horizons; intervals of azimuth and slope, upright boxes inside what is drawn",
             guarantee: "conservative as sets of points; of closed opaque objects, y up",
@@ -299,6 +309,7 @@ impl Method {
             "hom" => Method::Hom(HomParameters::new(Update::Once)),
             "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
             "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
+            "portals" => Method::Portals(PortalParameters::default()),
             "horizons" => Method::Horizons,
             "hzb" => Method::Hzb(HzbParameters::default()),
             "stop-and-wait" => Method::Queries(QueryParameters::new(false)),
@@ -337,6 +348,7 @@ impl Method {
                 };
                 Ok(())
             }
+            Method::Portals(p) => p.set(key, value, unknown),
             Method::Queries(p) => p.set(key, value, unknown),
             Method::Hzb(p) => match (key, value) {
                 ("first", "none" | "previous") => {
@@ -354,6 +366,7 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Method::Vfc => "vfc",
+            Method::Portals(_) => "portals",
             Method::Horizons => "horizons",
             Method::Hzb(_) => "hzb",
             Method::Queries(p) if p.coherent => "chc",
@@ -374,6 +387,7 @@ impl Method {
             Method::Hzb(p) => {
                 vec![("first".into(), if p.previous_first { "previous" } else { "none" }.into())]
             }
+            Method::Portals(p) => p.list(),
             Method::Queries(p) => p.list(),
             Method::Ideal(set) => {
                 let set = if *set == IdealSet::Exact { "exact" } else { "stop-and-wait" };

@@ -1,7 +1,7 @@
 //! The culling methods, one file each.
 //!
 //! A method is a *filter*, which looks at a node of the hierarchy and a view ([`frustum`]), and a *driver* at the end,
-//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
+//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
 pub mod chc;
@@ -17,6 +17,7 @@ pub mod ideal;
 mod method;
 mod nearest_first;
 mod overlap_parameters;
+pub mod portals;
 mod progressive;
 mod query_device;
 mod query_thread;

@@ -9,6 +9,7 @@ use crate::cull::coherent::{self, QueryParameters};
 use crate::cull::hom::{self, HomFrame};
 use crate::cull::horizons::{self, HorizonsMemory};
 use crate::cull::hzb::{self, HzbMemory};
+use crate::cull::portals::{self, PortalMemory, PortalScene};
 use crate::cull::vfc::{self, VfcMemory, World};
 use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
@@ -36,6 +37,7 @@ enum State {
     Hzb(HzbMemory),
     Queries(ChcMemory),
     Horizons(Box<(Prisms, HorizonsMemory)>),
+    Portals(Box<(PortalScene, PortalMemory)>),
 }
 
 /// The part of it that a frame reads.
@@ -57,6 +59,7 @@ impl State {
         Ok(match method {
             Method::Vfc | Method::Ideal(IdealSet::Exact) => State::Vfc(VfcMemory::default()),
             Method::Hzb(_) => State::Hzb(HzbMemory::default()),
+            Method::Portals(_) => State::Portals(Box::new((PortalScene::new(world.scene)?, PortalMemory::default()))),
             Method::Horizons => State::Horizons(Box::new((prisms_of(world)?, HorizonsMemory::default()))),
             Method::Queries(_) | Method::Ideal(IdealSet::StopAndWait) => State::Queries(ChcMemory::default()),
             Method::Hom(parameters) => {
@@ -74,7 +77,7 @@ impl State {
             State::Hom(Some(frame)) => Before::Hom(frame.memory().clone()),
             State::Hzb(memory) => Before::Hzb(memory.clone()),
             State::Queries(memory) => Before::Queries(memory.clone()),
-            State::Vfc(_) | State::Hom(None) | State::Horizons(_) => Before::Nothing,
+            State::Vfc(_) | State::Hom(None) | State::Horizons(_) | State::Portals(_) => Before::Nothing,
         }
     }
 
@@ -183,6 +186,9 @@ impl<'m> Runner<'m> {
             (_, State::Horizons(state)) => {
                 Ok(timed(&mut stages.cull, || horizons::cull(world, &state.0, options.level, view, &mut state.1)))
             }
+            (Method::Portals(parameters), State::Portals(state)) => Ok(timed(&mut stages.cull, || {
+                portals::cull(world, options.level, view, &state.0, parameters, &mut state.1)
+            })),
             (_, State::Vfc(memory)) => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, memory))),
             // A state is made for its method.
             _ => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut VfcMemory::default()))),

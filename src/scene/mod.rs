@@ -2,6 +2,8 @@
 
 mod benchmark;
 mod cells;
+#[cfg(feature = "cli")]
+mod cells_json;
 mod generate;
 #[cfg(feature = "bvh")]
 mod hierarchy;
@@ -15,6 +17,8 @@ mod mtl;
 mod obj;
 #[cfg(feature = "obj")]
 mod obj_scan;
+#[cfg(feature = "bvh")]
+mod object_cells;
 #[cfg(any(feature = "obj", feature = "lod"))]
 mod polygon;
 mod prepared;
@@ -28,6 +32,8 @@ mod wide;
 pub use crate::raster::Facing;
 pub use benchmark::{Benchmark, Reference, ReferenceAnswer, load_benchmark, load_reference};
 pub use cells::{Cell, Cells, Portal};
+#[cfg(feature = "cli")]
+pub use cells_json::load_cells;
 pub use generate::{Generated, Generator, generators, parse};
 #[cfg(feature = "bvh")]
 pub use hierarchy::{Hierarchy, MAX_DEPTH, Node};
@@ -35,6 +41,8 @@ pub use mesh::Mesh;
 pub use model::{Object, Scene};
 #[cfg(feature = "obj")]
 pub use obj::load_obj;
+#[cfg(feature = "bvh")]
+pub use object_cells::ObjectCells;
 pub use prepared::PreparedScene;
 #[cfg(feature = "cli")]
 pub(crate) use source::path_views;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
-use super::{Scene, Subdivision, generators, load_benchmark, load_obj, parse, subdivide};
+use super::{Scene, Subdivision, generators, load_benchmark, load_cells, load_obj, parse, subdivide};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
 use crate::view::{CameraPath, load_path_file};
@@ -83,10 +83,10 @@ impl SceneSource {
     }
 
     /// Loads or generates the scene, and its views: those of `path_override` if given, else its own. An OBJ's own are
-    /// `X.path.json` beside `X.obj` if there, else an orbit.
+    /// `X.path.json` beside `X.obj` if there, else an orbit. Its cells are those of `X.cells.json`, if there.
     ///
     /// # Errors
-    /// Those of [`load_obj`], [`load_benchmark`], [`parse`] and [`load_path_file`].
+    /// Those of [`load_obj`], [`load_benchmark`], [`parse`], [`load_path_file`] and [`load_cells`].
     pub fn load(&self, path_override: Option<&Path>) -> Result<Loaded> {
         let given = path_override.map(path_views).transpose()?;
         let Loaded { scene, views } = match self {
@@ -122,11 +122,15 @@ pub(crate) fn path_views(path: &Path) -> Result<Views> {
     Ok(Views::Path(file.path, file.frames.unwrap_or(FRAMES)))
 }
 
-/// An OBJ, subdivided where it must be; `own_views` is whether a path beside it is wanted.
+/// An OBJ, subdivided where it must be, with the cells of `X.cells.json` beside `X.obj`; `own_views` is whether a path beside it is wanted.
 fn load_model(path: &Path, own_views: bool) -> Result<Loaded> {
     let scene = load_obj(path)?;
     let limits = if scene.objects.len() == 1 { Subdivision::SOUP } else { Subdivision::default() };
-    let scene = subdivide(scene, &limits);
+    let mut scene = subdivide(scene, &limits);
+    let cells = path.with_extension("cells.json");
+    if cells.is_file() {
+        scene.cells = Some(load_cells(&cells)?);
+    }
     let beside = path.with_extension("path.json");
     if own_views && beside.is_file() {
         return Ok(Loaded { scene, views: path_views(&beside)? });

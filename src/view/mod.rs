@@ -12,4 +12,6 @@ pub use extent::{lies_beyond_near, pixels_a_unit};
 pub use path::{CameraPath, PathKey};
 #[cfg(feature = "cli")]
 pub use path_json::{PathFile, load_path, load_path_file};
+#[cfg(feature = "cli")]
+pub(crate) use path_json::{field, read_json, vector};
 pub use projection::{ClipSpace, DepthRange, MAX_SIDE, View, Viewport};

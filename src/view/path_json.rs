@@ -34,13 +34,20 @@ pub fn load_path(path: &Path) -> Result<CameraPath> {
 /// [`Error::File`] when the file cannot be read; [`Error::Format`] naming the line of a syntax error, or the key that is
 /// missing, of the wrong kind or of an impossible value.
 pub fn load_path_file(path: &Path) -> Result<PathFile> {
+    parse(&read_json(path)?).map_err(|reason| Error::Format { path: path.into(), line: None, reason })
+}
+
+/// The JSON of a file.
+///
+/// # Errors
+/// [`Error::File`] when it cannot be read; [`Error::Format`] naming the line of a syntax error.
+pub(crate) fn read_json(path: &Path) -> Result<Value> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::file(path, e))?;
-    let value: Value = serde_json::from_str(&text).map_err(|e| Error::Format {
+    serde_json::from_str(&text).map_err(|e| Error::Format {
         path: path.into(),
         line: Some(e.line()).filter(|&line| line > 0),
         reason: format!("is not JSON: {e}"),
-    })?;
-    parse(&value).map_err(|reason| Error::Format { path: path.into(), line: None, reason })
+    })
 }
 
 fn parse(value: &Value) -> std::result::Result<PathFile, String> {
@@ -77,7 +84,8 @@ fn parse_key(index: usize, key: &Value) -> std::result::Result<PathKey, String> 
     Ok(PathKey { eye: part("eye")?, target: part("target")? })
 }
 
-fn field<'a>(value: &'a Value, place: &str, name: &str) -> std::result::Result<&'a Value, String> {
+/// A field that must be there; `place` is what stands before its name in a message.
+pub(crate) fn field<'a>(value: &'a Value, place: &str, name: &str) -> std::result::Result<&'a Value, String> {
     value.get(name).ok_or_else(|| format!("'{place}{name}' is missing"))
 }
 
@@ -90,7 +98,8 @@ fn count(value: &Value, name: &str) -> std::result::Result<usize, String> {
     whole.ok_or_else(|| format!("'{name}' must be a whole number above 0, not {value}"))
 }
 
-fn vector(value: &Value, name: &str) -> std::result::Result<DVec3, String> {
+/// An array of three finite numbers.
+pub(crate) fn vector(value: &Value, name: &str) -> std::result::Result<DVec3, String> {
     let parts: Vec<f64> = match value.as_array() {
         Some(parts) if parts.len() == 3 => {
             parts.iter().map(|p| number(p, name)).collect::<std::result::Result<_, _>>()?

@@ -136,9 +136,20 @@ impl View {
 
     /// The middle of the near rectangle, about the eye; `None` when it cannot be computed.
     pub(crate) fn near_center(&self) -> Option<DVec3> {
-        let [x, y, w, _, near] = self.rows;
-        let (cx, cy) = (f64::from(self.viewport.width) * 128.0, f64::from(self.viewport.height) * 128.0);
-        solve(x - w * cx, y - w * cy, near)
+        self.near_point(f64::from(self.viewport.width) * 128.0, f64::from(self.viewport.height) * 128.0, 0.0)
+    }
+
+    /// The point at a place of the screen, in subpixels, where the row `near` has a value: on the near plane for 0. About the eye;
+    /// `None` when it cannot be computed.
+    pub(crate) fn near_point(&self, x: f64, y: f64, near: f64) -> Option<DVec3> {
+        let [rx, ry, w, _, beyond] = self.rows;
+        solve(rx - w * x, ry - w * y, beyond - DVec4::W * near)
+    }
+
+    /// The point that all rays of the view come from, about the eye; `None` for an orthographic view.
+    pub(crate) fn center(&self) -> Option<DVec3> {
+        let [x, y, w, ..] = self.rows;
+        solve(x, y, w)
     }
 
     /// The rows x, y, w, depth and near over (point - eye, 1); see the type's documentation for their units.
