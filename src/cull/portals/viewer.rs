@@ -27,6 +27,8 @@ const SNAP: f64 = 1.0;
 const EDGE_ON: f64 = 1e-5;
 /// Of the near rectangle, how much must lie in cells. The rest would be less than a thousandth of a sample.
 const COVERED: f64 = 1.0 - 1e-10;
+/// How far outside its box a cell still takes rays, as a part of its size.
+const WIDENING: f64 = 1e-9;
 
 /// Where rays come from, about the eye.
 #[derive(Debug, Clone, Copy)]
@@ -159,19 +161,27 @@ impl<'v> Viewer<'v> {
             if self.screen(p).is_none() {
                 return false;
             }
-            near.push(p + self.eye());
+            near.push(p);
         }
         let points = &near.points[..near.len];
         let (low, high) = points.iter().fold((points[0], points[0]), |(a, b), p| (a.min(*p), b.max(*p)));
         candidates.clear();
-        let meets = |c: &Cell| low.cmple(c.max + widening(c)).all() && (c.min - widening(c)).cmple(high).all();
+        // About the eye, where the rectangle may be small beside its distance from the origin.
+        let about = |c: &Cell, wide: f64| {
+            let out = DVec3::splat((c.max - c.min).max_element() * wide);
+            (c.min - out - self.eye(), c.max + out - self.eye())
+        };
+        let meets = |c: &Cell| {
+            let (min, max) = about(c, WIDENING);
+            low.cmple(max).all() && min.cmple(high).all()
+        };
         candidates.extend((0..).zip(cells.cells()).filter(|(_, c)| meets(c)).map(|(i, _)| i));
         let mut covered = 0.0;
         for &number in candidates.iter() {
             let cell = &cells.cells()[number as usize];
-            covered += self.area(&near.within(cell.min, cell.max));
-            let wide = near.within(cell.min - widening(cell), cell.max + widening(cell));
-            let parts = wide.points[..wide.len].iter().filter_map(|&p| self.screen(p - self.eye()));
+            covered += self.area(&near.within(about(cell, 0.0)));
+            let wide = near.within(about(cell, WIDENING));
+            let parts = wide.points[..wide.len].iter().filter_map(|&p| self.screen(p));
             let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
             let (low, high) = parts.fold(none, |(low, high), p| {
                 ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
@@ -191,7 +201,7 @@ impl<'v> Viewer<'v> {
 
     /// The area of an outline on the screen.
     fn area(&self, outline: &Outline) -> f64 {
-        let at = |i: usize| self.screen(outline.points[i % outline.len.max(1)] - self.eye()).unwrap_or_default();
+        let at = |i: usize| self.screen(outline.points[i % outline.len.max(1)]).unwrap_or_default();
         let twice = |i: usize| at(i)[0] * at(i + 1)[1] - at(i)[1] * at(i + 1)[0];
         (0..outline.len).map(twice).sum::<f64>().abs() * 0.5
     }
@@ -204,11 +214,6 @@ enum Facing {
     Away,
     /// Its plane goes through the eye, as far as can be told.
     EdgeOn,
-}
-
-/// How far outside its box a cell still takes rays.
-fn widening(cell: &Cell) -> DVec3 {
-    DVec3::splat((cell.max - cell.min).max_element() * 1e-9)
 }
 
 /// The corners of a portal, in turn.
@@ -254,7 +259,7 @@ impl Outline {
     }
 
     /// The part in a box.
-    fn within(&self, min: DVec3, max: DVec3) -> Outline {
+    fn within(&self, (min, max): (DVec3, DVec3)) -> Outline {
         let mut out = *self;
         for k in 0..3 {
             out = out.cut(|p| p[k] - min[k]).cut(|p| max[k] - p[k]);
