@@ -36,6 +36,7 @@ pub use method::{
     methods,
 };
 pub use overlap_parameters::{Hole, OverlapParameters};
+pub use portals::{PortalClip, PortalParameters};
 pub use query_device::Waited;
 pub use sources::{OccluderSources, SharedSources};
 

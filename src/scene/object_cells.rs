@@ -1,7 +1,7 @@
 //! Which cells each object is in: every cell that one of its triangles touches (Luebke and Georges 1995).
 //!
 //! Triangle against box by separating axes (Akenine-Moller 2001) in f64, faces of cells moved outwards by a millionth of their size:
-//! an object on a wall is in the room that it faces. Cost: about a microsecond a triangle and cell whose boxes meet.
+//! an object on a wall is in the room that it faces. Cost: an exact test a triangle and cell whose boxes meet.
 
 use glam::DVec3;
 
