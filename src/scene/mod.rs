@@ -19,10 +19,15 @@ mod obj;
 mod obj_scan;
 #[cfg(feature = "bvh")]
 mod object_cells;
+mod octree;
+#[cfg(feature = "bvh")]
+mod placed_triangles;
 #[cfg(any(feature = "obj", feature = "lod"))]
 mod polygon;
 mod prepared;
 mod random;
+#[cfg(feature = "bvh")]
+mod solidity;
 #[cfg(feature = "cli")]
 mod source;
 mod subdivide;
@@ -43,7 +48,12 @@ pub use model::{Object, Scene};
 pub use obj::load_obj;
 #[cfg(feature = "bvh")]
 pub use object_cells::ObjectCells;
+pub use octree::{DEFAULT_LEAF_TRIANGLES, MAX_OCTREE_DEPTH, Octree, OctreeLimits};
+#[cfg(feature = "bvh")]
+pub(crate) use placed_triangles::PlacedTriangles;
 pub use prepared::PreparedScene;
+#[cfg(feature = "bvh")]
+pub(crate) use solidity::{BoxCoverage, share_along};
 #[cfg(feature = "cli")]
 pub(crate) use source::path_views;
 #[cfg(feature = "cli")]

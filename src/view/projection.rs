@@ -152,6 +152,12 @@ impl View {
         solve(x, y, w)
     }
 
+    /// Where the rays of a perspective view meet, about the eye; `None` where they are parallel.
+    #[cfg(feature = "bvh")]
+    pub(crate) fn projection_center(&self) -> Option<DVec3> {
+        solve(self.rows[0], self.rows[1], self.rows[2])
+    }
+
     /// The rows x, y, w, depth and near over (point - eye, 1); see the type's documentation for their units.
     pub fn rows(&self) -> &[DVec4; 5] {
         &self.rows

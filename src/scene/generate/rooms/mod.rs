@@ -4,8 +4,7 @@
 //! Open space is a set of boxes ([`plan`]): rooms, corridors, doorways, window openings, and the outside. Walls are what is
 //! left: their surfaces are the faces of the boxes without the portals ([`shell`]), on planes that neighbours share,
 //! so they have no crack and no T-junction, and the boxes are the cells exactly. Walls must be there; furniture makes up the
-//! number of triangles. A number too small for the least building gives walls with gaps, and then no cells. A million
-//! triangles take about 50 ms.
+//! number of triangles. A number too small for the least building gives walls with gaps, and then no cells.
 
 mod furniture;
 mod plan;
