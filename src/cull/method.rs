@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::coherent::QueryParameters;
 use super::overlap_parameters::{OverlapParameters, overlap_parameters};
+use super::plp_parameters::PlpParameters;
 use super::portals::PortalParameters;
 use crate::error::{Error, Result};
 use crate::occlusion::{DepthReading, DepthRepresentation, Partitions};
@@ -20,6 +21,10 @@ pub enum Method {
     Vfc,
     /// Hierarchical occlusion maps.
     Hom(HomParameters),
+    /// Prioritized-layered projection.
+    Plp(PlpParameters),
+    /// Its conservative version.
+    Cplp(PlpParameters),
     /// Cells and portals.
     Portals(PortalParameters),
     /// Occlusion horizons.
@@ -253,6 +258,20 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "the first choice where anything is hidden",
         },
         MethodDescription {
+            name: "plp",
+            source: "Correa, Klosowski and Silva 2002; Klosowski and Silva 2000",
+            guarantee: "approximate: what the budget does not reach is missing",
+            parameters: "budget=140000 (triangles), heuristic=layer|solidity, cells=octree|bvh, leaf=1000 (triangles of an octree's leaf)",
+            when: "a frame may take so long and no longer, and some pixels may be wrong",
+        },
+        MethodDescription {
+            name: "cplp",
+            source: "Correa, Klosowski and Silva 2002, with a query for each node",
+            guarantee: "conservative",
+            parameters: "budget=140000 (triangles of the first guess), heuristic=layer|solidity, leaf=1000",
+            when: "now and then, the view that plp has without its wrong pixels; slower than vfc on the plant",
+        },
+        MethodDescription {
             name: "portals",
             source: "Luebke and Georges 1995; Russin's lecture, portal culling",
             guarantee: "conservative for cells whose walls have no cracks",
@@ -309,6 +328,8 @@ impl Method {
             "hom" => Method::Hom(HomParameters::new(Update::Once)),
             "hom-multipass" => Method::Hom(HomParameters::new(Update::Batches(DEFAULT_UPDATE_TRIANGLES))),
             "hom-progressive" => Method::Hom(HomParameters::new(Update::Always)),
+            "plp" => Method::Plp(PlpParameters::default()),
+            "cplp" => Method::Cplp(PlpParameters::default()),
             "portals" => Method::Portals(PortalParameters::default()),
             "horizons" => Method::Horizons,
             "hzb" => Method::Hzb(HzbParameters::default()),
@@ -332,6 +353,9 @@ impl Method {
             p.check()?;
             p.overlap.check(parameters)?;
         }
+        if let Method::Cplp(p) = &method {
+            p.check_conservative()?;
+        }
         Ok(method)
     }
 
@@ -348,6 +372,7 @@ impl Method {
                 };
                 Ok(())
             }
+            Method::Plp(p) | Method::Cplp(p) => p.set(key, value, unknown),
             Method::Portals(p) => p.set(key, value, unknown),
             Method::Queries(p) => p.set(key, value, unknown),
             Method::Hzb(p) => match (key, value) {
@@ -366,6 +391,8 @@ impl Method {
     pub fn name(&self) -> &'static str {
         match self {
             Method::Vfc => "vfc",
+            Method::Plp(_) => "plp",
+            Method::Cplp(_) => "cplp",
             Method::Portals(_) => "portals",
             Method::Horizons => "horizons",
             Method::Hzb(_) => "hzb",
@@ -387,6 +414,7 @@ impl Method {
             Method::Hzb(p) => {
                 vec![("first".into(), if p.previous_first { "previous" } else { "none" }.into())]
             }
+            Method::Plp(p) | Method::Cplp(p) => p.list(),
             Method::Portals(p) => p.list(),
             Method::Queries(p) => p.list(),
             Method::Ideal(set) => {

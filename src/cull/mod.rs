@@ -1,14 +1,16 @@
 //! The culling methods, one file each.
 //!
 //! A method is a *filter*, which looks at a node of the hierarchy and a view ([`frustum`]), and a *driver* at the end,
-//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
+//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`plp`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
 pub mod chc;
 pub mod coherent;
+mod cplp;
 pub mod detail;
 mod fade;
 mod feedback;
+mod front;
 pub mod frustum;
 pub mod hom;
 pub mod horizons;
@@ -17,6 +19,9 @@ pub mod ideal;
 mod method;
 mod nearest_first;
 mod overlap_parameters;
+pub mod plp;
+mod plp_cells;
+mod plp_parameters;
 pub mod portals;
 mod progressive;
 mod query_device;
@@ -36,6 +41,8 @@ pub use method::{
     methods,
 };
 pub use overlap_parameters::{Hole, OverlapParameters};
+pub use plp_cells::{PlpCells, SharedCells};
+pub use plp_parameters::{CellKind, DEFAULT_BUDGET, Heuristic, PlpParameters};
 pub use portals::{PortalClip, PortalParameters};
 pub use query_device::Waited;
 pub use sources::{OccluderSources, SharedSources};

@@ -9,9 +9,10 @@ use crate::cull::coherent::{self, QueryParameters};
 use crate::cull::hom::{self, HomFrame};
 use crate::cull::horizons::{self, HorizonsMemory};
 use crate::cull::hzb::{self, HzbMemory};
+use crate::cull::plp::PlpFrame;
 use crate::cull::portals::{self, PortalMemory, PortalScene};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedSources, VisibleSet, ideal};
+use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedCells, SharedSources, VisibleSet, ideal};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::{Error, Result};
 use crate::select::Prisms;
@@ -38,6 +39,7 @@ enum State {
     Queries(ChcMemory),
     Horizons(Box<(Prisms, HorizonsMemory)>),
     Portals(Box<(PortalScene, PortalMemory)>),
+    Plp(Box<PlpFrame>),
 }
 
 /// The part of it that a frame reads.
@@ -54,11 +56,14 @@ impl State {
         world: &World<'_>,
         view: &View,
         options: &WalkOptions<'_>,
-        sources: &mut SharedSources,
+        (sources, cells): (&mut SharedSources, &mut SharedCells),
     ) -> Result<State> {
         Ok(match method {
             Method::Vfc | Method::Ideal(IdealSet::Exact) => State::Vfc(VfcMemory::default()),
             Method::Hzb(_) => State::Hzb(HzbMemory::default()),
+            Method::Plp(p) | Method::Cplp(p) => {
+                State::Plp(Box::new(PlpFrame::new(options.level, cells.of(world.scene, p))))
+            }
             Method::Portals(_) => State::Portals(Box::new((PortalScene::new(world.scene)?, PortalMemory::default()))),
             Method::Horizons => State::Horizons(Box::new((prisms_of(world)?, HorizonsMemory::default()))),
             Method::Queries(_) | Method::Ideal(IdealSet::StopAndWait) => State::Queries(ChcMemory::default()),
@@ -77,7 +82,9 @@ impl State {
             State::Hom(Some(frame)) => Before::Hom(frame.memory().clone()),
             State::Hzb(memory) => Before::Hzb(memory.clone()),
             State::Queries(memory) => Before::Queries(memory.clone()),
-            State::Vfc(_) | State::Hom(None) | State::Horizons(_) | State::Portals(_) => Before::Nothing,
+            State::Vfc(_) | State::Hom(None) | State::Horizons(_) | State::Portals(_) | State::Plp(_) => {
+                Before::Nothing
+            }
         }
     }
 
@@ -98,14 +105,14 @@ impl<'m> Runner<'m> {
         world: &World<'_>,
         view: &View,
         options: &WalkOptions<'_>,
-        sources: &mut SharedSources,
+        shared: (&mut SharedSources, &mut SharedCells),
     ) -> Result<Runner<'m>> {
         Ok(Runner {
             place,
             method,
             canvas: Canvas::new(view.viewport(), options.level)?,
             tally: Tally::default(),
-            state: State::new(method, world, view, options, sources)?,
+            state: State::new(method, world, view, options, shared)?,
             before: Before::Nothing,
         })
     }
@@ -185,6 +192,12 @@ impl<'m> Runner<'m> {
             }
             (_, State::Horizons(state)) => {
                 Ok(timed(&mut stages.cull, || horizons::cull(world, &state.0, options.level, view, &mut state.1)))
+            }
+            (Method::Plp(parameters), State::Plp(frame)) => {
+                Ok(timed(&mut stages.cull, || frame.plp(world, view, parameters)))
+            }
+            (Method::Cplp(parameters), State::Plp(frame)) => {
+                timed(&mut stages.cull, || frame.cplp(world, view, parameters))
             }
             (Method::Portals(parameters), State::Portals(state)) => Ok(timed(&mut stages.cull, || {
                 portals::cull(world, options.level, view, &state.0, parameters, &mut state.1)

@@ -15,7 +15,7 @@ use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::HomFrame;
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{Method, SharedSources, VisibleSet};
+use crate::cull::{Method, SharedCells, SharedSources, VisibleSet};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::Result;
 use crate::hash::Hash;
@@ -82,7 +82,8 @@ pub fn walk(
     let overlaps = |m: &Method| matches!(m, Method::Hom(p) if p.pipeline);
     let in_turn = methods.iter().enumerate().filter(|(_, m)| !overlaps(m));
     let mut sources = SharedSources::default();
-    let new = |(i, m)| Runner::new(i, m, &world, first, options, &mut sources);
+    let mut cells = SharedCells::default();
+    let new = |(i, m)| Runner::new(i, m, &world, first, options, (&mut sources, &mut cells));
     let mut runners = in_turn.map(new).collect::<Result<Vec<_>>>()?;
     let mut clocks = Vec::new();
     walk_in_turn(&world, views, &mut runners, &mut exact, options, &mut clocks, &mut look)?;

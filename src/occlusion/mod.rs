@@ -43,7 +43,7 @@ pub use overlap::{ActiveLevels, OverlapStatistics};
 pub(crate) use progressive::PlacedRows;
 pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]
-pub(crate) use project::{ALL_PLANES, BoxView, Edges, ROUNDING, planes_left, project_lanes};
+pub(crate) use project::{ALL_PLANES, BoxView, Edges, Project, ROUNDING, planes_left, project_lanes};
 pub use pyramid::{Pyramid, PyramidShape};
 pub use query::DepthReading;
 pub use submit::BandJob;

@@ -19,6 +19,7 @@ mod obj;
 mod obj_scan;
 #[cfg(feature = "bvh")]
 mod object_cells;
+#[cfg(feature = "bvh")]
 mod octree;
 #[cfg(feature = "bvh")]
 mod placed_triangles;
