@@ -10,11 +10,11 @@ pub const DEFAULT_BUDGET: u64 = 140_000;
 /// What decides which cell of the front is projected next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Heuristic {
-    /// The least accumulated solidity (Klosowski and Silva 2000).
+    /// The fewest layers of cells from where the view begins (Correa, Klosowski and Silva 2002): shows more, as measured.
     #[default]
-    Solidity,
-    /// The fewest layers of cells from where the view begins (Correa, Klosowski and Silva 2002).
     Layer,
+    /// The least accumulated solidity (Klosowski and Silva 2000).
+    Solidity,
 }
 
 /// What is projected.
