@@ -202,7 +202,7 @@ pub(super) struct OnDevice<'a> {
 impl<'w> OnDevice<'w> {
     /// The cleared band as a drawing.
     #[inline(always)]
-    pub fn drawing<'q, 'a, S: Simd>(&self, s: S, band: BandDraw<'a>) -> (Drawing<'a, 'a, 'w, S>, &'a mut [i32]) {
+    pub fn drawing<'a, S: Simd>(&self, s: S, band: BandDraw<'a>) -> (Drawing<'a, 'a, 'w, S>, &'a mut [i32]) {
         let BandDraw { mut sink, queues, image } = band;
         clear(&mut sink);
         let engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };

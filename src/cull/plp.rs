@@ -284,7 +284,7 @@ fn facing_sides(whole: Aabb, sight: Sight) -> u8 {
         Sight::Eye(eye) if eye.is_finite() => eye.as_dvec3(),
         Sight::Eye(_) | Sight::Parallel(_) => return !0,
     };
-    let slack = f64::from(whole.size().max_element()) * SIDE_SLACK + f64::from(eye.abs().max_element()) * 1e-6;
+    let slack = f64::from(whole.size().max_element()) * SIDE_SLACK + eye.abs().max_element() * 1e-6;
     (0..3).fold(0, |sides, axis| {
         let below = eye[axis] <= f64::from(whole.min[axis]) + slack;
         let above = eye[axis] >= f64::from(whole.max[axis]) - slack;

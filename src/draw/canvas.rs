@@ -102,6 +102,7 @@ impl Canvas {
     }
 
     /// The level that it is drawn at.
+    #[cfg(feature = "bvh")]
     pub(crate) fn level(&self) -> Level {
         self.level
     }

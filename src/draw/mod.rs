@@ -8,5 +8,7 @@ mod canvas;
 mod sink;
 
 pub use canvas::{BACKGROUND, Canvas, DrawJob};
+#[cfg(feature = "bvh")]
 pub(crate) use canvas::{BandDraw, clear, shade};
+#[cfg(feature = "bvh")]
 pub(crate) use sink::DrawSink;

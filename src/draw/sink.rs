@@ -2,7 +2,9 @@
 
 use homcull_simd::{Mask, Simd, prefetch};
 
-use crate::occlusion::{MapView, SampleDepths};
+#[cfg(feature = "bvh")]
+use crate::occlusion::MapView;
+use crate::occlusion::SampleDepths;
 use crate::raster::{Sink, Surface};
 
 /// Depths and triangle numbers of a tile's samples. Where a block's coverage word has no bit they are left over from
@@ -34,6 +36,7 @@ pub(crate) struct DrawSink<'a> {
 impl DrawSink<'_> {
     /// What has been drawn so far, to be tested against between draws.
     #[inline(always)]
+    #[cfg(feature = "bvh")]
     pub fn view(&self) -> MapView<'_, TileItems> {
         MapView {
             band: self.surface.band,

@@ -28,6 +28,7 @@ pub mod preset;
 pub mod report;
 pub mod report_number;
 pub mod report_target;
+#[cfg(feature = "bvh")]
 mod runner;
 #[cfg(feature = "bvh")]
 pub mod stability;

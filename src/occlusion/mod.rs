@@ -37,9 +37,10 @@ pub use contrast::relative_luminance;
 pub use depth::DepthRepresentation;
 pub use depth_estimation::{DepthEstimationBuffer, Partitions};
 pub use layers::optical_depth;
-pub(crate) use map::{MapView, OccluderSink, SampleDepths, take};
-pub use overlap::{ActiveLevels, OverlapStatistics};
 #[cfg(feature = "bvh")]
+pub(crate) use map::{MapView, OccluderSink};
+pub(crate) use map::{SampleDepths, take};
+pub use overlap::{ActiveLevels, OverlapStatistics};
 pub(crate) use progressive::PlacedRows;
 pub use progressive::{ProgressiveJob, ProgressiveResult};
 #[cfg(feature = "bvh")]

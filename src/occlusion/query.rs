@@ -138,6 +138,7 @@ impl<T: SampleDepths> MapView<'_, T> {
 
     /// How many samples of the rectangle (not empty, inside the band) something at `z` may show at; beyond `enough` they are not counted on.
     #[inline(always)]
+    #[cfg(feature = "bvh")]
     pub fn visible_samples<S: Simd>(&self, s: S, r: SampleRect, z: f32, enough: u32) -> u32 {
         let mut count = 0;
         let depth = s.splat_f(z);

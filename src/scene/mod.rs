@@ -49,6 +49,7 @@ pub use model::{Object, Scene};
 pub use obj::load_obj;
 #[cfg(feature = "bvh")]
 pub use object_cells::ObjectCells;
+#[cfg(feature = "bvh")]
 pub use octree::{DEFAULT_LEAF_TRIANGLES, MAX_OCTREE_DEPTH, Octree, OctreeLimits};
 #[cfg(feature = "bvh")]
 pub(crate) use placed_triangles::PlacedTriangles;

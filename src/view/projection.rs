@@ -147,6 +147,7 @@ impl View {
     }
 
     /// The point that all rays of the view come from, about the eye; `None` for an orthographic view.
+    #[cfg(feature = "bvh")]
     pub(crate) fn center(&self) -> Option<DVec3> {
         let [x, y, w, ..] = self.rows;
         solve(x, y, w)

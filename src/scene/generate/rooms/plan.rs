@@ -109,7 +109,7 @@ impl Plan {
     pub fn new(seed: u64, step: usize) -> Plan {
         let storeys = (1 + (step + 1) / 3).min(12);
         let wings = 1 + step / 3;
-        let length = 100 + 80 * ((step + 2) / 3) as i32;
+        let length = 100 + 80 * step.div_ceil(3) as i32;
         let outer = [WINGS + length + WALL, STOREY * storeys as i32 + WALL, WALL + PITCH * wings as i32];
         let (spaces, openings, links) = (Vec::new(), Vec::new(), Vec::new());
         let mut plan = Plan { spaces, openings, links, storeys, wings, outer };

@@ -67,8 +67,8 @@ fn place_face(stock: &mut Stock, space: &Space, planes: &[BTreeSet<i32>; 3], fac
     let mut parts: BTreeMap<[i32; 2], Solid> = BTreeMap::new();
     for (u0, u1) in steps(u) {
         for (v0, v1) in steps(v) {
-            let in_hole = |o: &&&Opening| o.min[u] <= u0 && u1 <= o.max[u] && o.min[v] <= v0 && v1 <= o.max[v];
-            if holes.iter().any(|o| in_hole(&o)) {
+            let in_hole = |o: &Opening| o.min[u] <= u0 && u1 <= o.max[u] && o.min[v] <= v0 && v1 <= o.max[v];
+            if holes.iter().any(|o| in_hole(o)) {
                 continue;
             }
             let corner = |pu: i32, pv: i32| {

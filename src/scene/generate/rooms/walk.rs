@@ -74,7 +74,7 @@ fn climb(walk: &mut Walk, storey: usize, cross: f64) {
     let landing = |foot: bool| f64::from(if foot { FLIGHT[0] - 5 } else { FLIGHT[1] + 5 }) / UNIT;
     let half = HALVES[storey % 2];
     let x = f64::from(half[0] + half[1]) * 0.5 / UNIT;
-    let (from, to) = (landing(storey % 2 == 0), landing(storey % 2 == 1));
+    let (from, to) = (landing(storey.is_multiple_of(2)), landing(!storey.is_multiple_of(2)));
     let foot = f64::from(FLIGHT[storey % 2]) / UNIT;
     let head = f64::from(FLIGHT[1 - storey % 2]) / UNIT;
     walk.to(at(cross, storey, from));
