@@ -219,7 +219,7 @@ fn bad_usage_is_one_line_that_names_the_fault() {
         ("homcull walk", "<SCENE>"),
         ("homcull measure", "<KERNEL>"),
         ("homcull measure fill city", "fill"),
-        ("homcull compare city", "compare"),
+        ("homcull view city", "view"),
         ("homcull walk city --size 0x5", "size 0x5: each side must be 1 to 16384"),
         ("homcull walk city --size 5by5", "5by5"),
         ("homcull walk city --frames 0", "--frames"),

@@ -61,7 +61,9 @@ impl SceneSource {
     pub fn resolve(argument: &str) -> Result<SceneSource> {
         let path = Path::new(argument);
         let name = argument.split(':').next().unwrap_or_default();
-        if path.is_dir() {
+        // A folder that happens to be called as a generator is not meant.
+        let is_generator = generators().iter().any(|g| g.name == name);
+        if path.is_dir() && !(is_generator && !path.join("scene.bin").is_file()) {
             let lacking = ["scene.bin", "views.bin"].into_iter().find(|file| !path.join(file).is_file());
             return match lacking {
                 None => Ok(SceneSource::Benchmark(path.into())),
@@ -71,7 +73,7 @@ impl SceneSource {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
             return Ok(SceneSource::Obj(path.into()));
         }
-        if generators().iter().any(|g| g.name == name) {
+        if is_generator {
             return Ok(SceneSource::Generator(argument.into()));
         }
         let names: Vec<&str> = generators().iter().map(|g| g.name).collect();

@@ -148,7 +148,7 @@ impl<'s> Growth<'s> {
     fn split(&mut self, cube: Cube, contents: &Contents) -> Option<[Contents; 8]> {
         let boxes: [Aabb; 8] = std::array::from_fn(|n| self.octree.bounds_of(cube.octant(n)));
         let middle = boxes[7].min;
-        let room = self.most_references - (self.references - contents.references);
+        let room = (self.most_references + contents.references).saturating_sub(self.references);
         let most = room.min(contents.references.saturating_mul(MOST_GROWTH));
         let (mut children, mut listed) = (<[Contents; 8]>::default(), &contents.listed[..]);
         for item in &contents.items {
