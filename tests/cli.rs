@@ -241,3 +241,77 @@ fn whoever_reads_may_stop_reading() {
         assert!(output.status.success() && said.is_empty(), "{command:?}: {said}");
     }
 }
+
+#[test]
+fn compare_has_every_method_that_applies_and_a_front_that_nothing_beats() {
+    let report = std::env::temp_dir().join(format!("homcull-compare-{}", std::process::id()));
+    let out = report.to_str().unwrap();
+    let scene = "city:triangles=8000";
+    let output = Command::new(env!("CARGO_BIN_EXE_homcull"))
+        .args(["compare", scene, "--frames", "2", "--size", "128x96", "--threads", "1", "--json", "-", "--out", out])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(report.join("error-against-time.png").is_file());
+    std::fs::remove_dir_all(&report).unwrap();
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let runs = value["runs"].as_array().unwrap();
+    let name = |run: &serde_json::Value| run["name"].as_str().unwrap().to_owned();
+    let wrong = |run: &serde_json::Value| run["wrong_pixels_percent"]["mean"].as_f64().unwrap();
+    let ms = |run: &serde_json::Value| run["frame_ms"]["total"].as_f64().unwrap();
+    for exact in ["vfc", "hom", "hom-multipass", "hom-progressive", "hzb", "stop-and-wait", "chc", "cplp", "horizons"] {
+        let run = runs.iter().find(|run| name(run) == exact).unwrap_or_else(|| panic!("no {exact}"));
+        assert_eq!((wrong(run), &run["image_hash"]), (0.0, &runs[0]["image_hash"]), "{exact}");
+    }
+    let left_out = value["left_out"].as_array().unwrap();
+    assert!(left_out.len() == 1 && left_out[0].as_str().unwrap().starts_with("portals is left out"), "{left_out:?}");
+    let front = value["pareto_front"].as_array().unwrap();
+    assert!(!front.is_empty());
+    for best in runs.iter().filter(|run| front.contains(&run["name"])) {
+        let beats = |run: &&serde_json::Value| {
+            let no_worse = ms(run) <= ms(best) && wrong(run) <= wrong(best);
+            no_worse && (ms(run) < ms(best) || wrong(run) < wrong(best)) && run["method"] != "ideal"
+        };
+        assert_eq!(runs.iter().find(beats).map(name), None, "beats {}", name(best));
+    }
+}
+
+#[test]
+fn advice_rests_on_counts_that_agree_with_a_walk() {
+    let run = |args: &[&str]| -> serde_json::Value {
+        let rest = ["--frames", "2", "--size", "320x256", "--threads", "1", "--json", "-", "--quiet"];
+        let output = Command::new(env!("CARGO_BIN_EXE_homcull")).args(args).args(rest).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let scene = "city:triangles=60000";
+    let advised = run(&["advise", scene]);
+    let walked = run(&["walk", scene, "--method", "vfc", "--method", "hzb", "--method", "hom-progressive"]);
+    for walked in walked["runs"].as_array().unwrap() {
+        let rows = advised["methods"].as_array().unwrap();
+        let row = rows.iter().find(|row| row["method"] == walked["method"]).unwrap();
+        let mean = |key: &str| walked["mean"][key].as_f64().unwrap();
+        assert_eq!(row["triangles_saved"].as_f64(), Some(mean("triangles_in_frustum") - mean("triangles_drawn")));
+        assert_eq!(row["occluder_triangles"].as_f64(), Some(mean("occluder_triangles")));
+        assert_eq!(row["tests"].as_f64(), Some(mean("queries")));
+        let draws_twice = walked["method"] == "hom-progressive";
+        assert_eq!(mean("occluder_triangles") > 0.0, draws_twice, "{}", walked["method"]);
+    }
+    assert!(advised["advice"].as_array().unwrap().len() >= 2, "{advised:#}");
+}
+
+#[test]
+fn a_folder_that_is_called_as_a_generator_does_not_hide_it() {
+    let around = std::env::temp_dir().join(format!("homcull-hidden-{}", std::process::id()));
+    std::fs::create_dir_all(around.join("terrain")).unwrap();
+    let inspect = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_homcull"));
+        command.args(["inspect", "terrain", "--json", "-"]).current_dir(&around).output().unwrap()
+    };
+    assert!(inspect().status.success());
+    // A benchmark that is cut short is meant, and refused.
+    std::fs::write(around.join("terrain/scene.bin"), b"HOM").unwrap();
+    let refused = inspect();
+    assert_eq!(refused.status.code(), Some(2), "{}", String::from_utf8_lossy(&refused.stderr));
+    std::fs::remove_dir_all(&around).unwrap();
+}

@@ -10,6 +10,7 @@ use homcull::cull::coherent::{self, Latency, QueryParameters, Traversal};
 use homcull::cull::hzb::{self, HzbMemory};
 use homcull::cull::vfc::{self, VfcMemory, World};
 use homcull::draw::{Canvas, DrawJob};
+use homcull::occlusion::{OcclusionBuffer, ProjectedBoxes};
 use homcull::scene::PreparedScene;
 use homcull::view::View;
 use homcull::workers::Workers;
@@ -137,24 +138,43 @@ fn another_scene_is_another_beginning() {
 #[test]
 fn a_node_of_few_visible_samples_counts_as_hidden() {
     let (mut dropped, mut all) = (0, 0);
-    for (_, view, scene) in worlds(20, 90) {
+    for (round, view, scene) in worlds(20, 90) {
         let world = World::new(&scene);
         let drawn = |pixels| {
             let parameters = QueryParameters { pixels, ..QueryParameters::new(false) };
             let mut canvas = Canvas::new(view.viewport(), Level::best()).unwrap();
-            let set = coherent::draw(&world, &view, &parameters, &mut ChcMemory::default(), &mut canvas).unwrap();
-            let mut samples = vec![0; scene.occluders.len()];
-            canvas.count_items(&scene, &mut samples);
-            (set.objects, samples)
+            coherent::draw(&world, &view, &parameters, &mut ChcMemory::default(), &mut canvas).unwrap().objects
         };
-        let ((exact, _), (fewer, _)) = (drawn(0), drawn(50));
+        let exact = drawn(0);
+        let (few, screen) = (drawn(50), drawn(view.viewport().width() * view.viewport().height()));
         all += exact.len();
-        dropped += exact.iter().filter(|o| !fewer.contains(o)).count();
-        // Beyond all samples only what touches the near plane, or has no box, is left.
-        let (none, samples) = drawn(1_000_000);
-        assert!(none.len() <= exact.len() && samples.len() == scene.occluders.len());
+        dropped += exact.iter().filter(|o| !few.contains(o)).count();
+        // No box has more samples than the screen: what is left touches the near plane, or has no box.
+        let mut boxes = ProjectedBoxes::new();
+        let mut buffer = OcclusionBuffer::new(view.viewport());
+        buffer.begin(&view).unwrap();
+        buffer.project(&scene.boxes, scene.origin, &mut boxes).unwrap();
+        let near = |id: u32| boxes.boxes().iter().any(|b| b.id() == id && b.touches_near_plane());
+        assert!(
+            screen.iter().all(|&id| near(id) || !scene.bounds[id as usize].is_finite()),
+            "round {round}: {screen:?}"
+        );
     }
     assert!(dropped > 0 && dropped < all, "{dropped} of {all}");
+}
+
+#[test]
+fn another_scene_draws_nothing_of_the_last_one_first() {
+    let workers = Workers::new(1).unwrap();
+    let mut memory = HzbMemory::default();
+    for objects in [120, 5, 60] {
+        for (round, view, scene) in worlds(2, objects) {
+            let world = World::new(&scene);
+            let mut canvas = Canvas::new(view.viewport(), Level::best()).unwrap();
+            hzb::draw(&world, &workers, &view, true, &mut memory, &mut canvas).unwrap();
+            assert!(canvas.equals(&everything(Level::best(), &view, &world)), "{objects} objects, round {round}");
+        }
+    }
 }
 
 #[test]

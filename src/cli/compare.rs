@@ -13,6 +13,8 @@ use crate::measure::json;
 use crate::measure::plot::{ScatterPoint, ScatterSeries, error_against_time};
 use crate::measure::report::{MethodRun, WalkReport};
 use crate::measure::report_number::digits3;
+use crate::measure::walk::applies;
+use crate::scene::PreparedScene;
 
 /// Where the plot goes unless said otherwise.
 const OUT: &str = "homcull-out";
@@ -29,13 +31,25 @@ struct Sweep {
 }
 
 /// Methods that keep the picture.
-const EXACT: Sweep = Sweep {
+static EXACT: Sweep = Sweep {
     name: "methods that keep the picture",
     method: "",
-    values: &["vfc", "hom", "hom-multipass", "hom-progressive", "hzb", "stop-and-wait", "chc", "ideal"],
+    values: &[
+        "vfc",
+        "hom",
+        "hom-multipass",
+        "hom-progressive",
+        "hzb",
+        "stop-and-wait",
+        "chc",
+        "cplp",
+        "portals",
+        "horizons",
+        "ideal",
+    ],
 };
 /// Knobs that trade error for time.
-const KNOBS: [Sweep; 5] = [
+static KNOBS: [Sweep; 6] = [
     Sweep { name: "hom, opacity threshold", method: "hom:threshold=", values: &["0.95", "0.85", "0.7", "0.5"] },
     Sweep { name: "hom, LOD occluders, pixels", method: "hom:occluders=lod,lod=", values: &["4", "16", "64"] },
     Sweep {
@@ -45,10 +59,35 @@ const KNOBS: [Sweep; 5] = [
     },
     Sweep { name: "chc, pixels", method: "chc:pixels=", values: &["5", "25", "100", "400"] },
     Sweep { name: "chc of 25 pixels, frames", method: "chc:pixels=25,assume-visible=", values: &["2", "8"] },
+    Sweep { name: "plp, triangles", method: "plp:budget=", values: &["10000", "35000", "140000"] },
 ];
 
-fn sweeps() -> impl Iterator<Item = &'static Sweep> {
-    std::iter::once(&EXACT).chain(&KNOBS)
+/// One method of the comparison.
+struct Entry {
+    sweep: &'static Sweep,
+    value: &'static str,
+    method: Method,
+}
+
+impl Entry {
+    fn written(&self) -> String {
+        format!("{}{}", self.sweep.method, self.value)
+    }
+}
+
+/// All methods that apply to a scene; of the others, why they do not.
+fn entries(scene: &PreparedScene) -> Result<(Vec<Entry>, Vec<String>)> {
+    let (mut entries, mut left_out) = (Vec::new(), Vec::new());
+    for sweep in std::iter::once(&EXACT).chain(&KNOBS) {
+        for &value in sweep.values {
+            let method = Method::parse(&format!("{}{value}", sweep.method))?;
+            match applies(&method, scene) {
+                Ok(()) => entries.push(Entry { sweep, value, method }),
+                Err(reason) => left_out.push(format!("{} is left out: {reason}", method.name())),
+            }
+        }
+    }
+    Ok((entries, left_out))
 }
 
 /// Walks with all methods; prints, and writes what was asked for.
@@ -60,21 +99,21 @@ pub fn run(scene: &str, options: &Options) -> Result<()> {
         repetitions: options.repetitions.or(Some(REPETITIONS)),
         ..options.clone()
     };
-    let written: Vec<String> =
-        sweeps().flat_map(|sweep| sweep.values.iter().map(|value| format!("{}{value}", sweep.method))).collect();
-    let methods = written.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let setting = setting::load(scene, &options, false)?;
+    let (entries, left_out) = entries(&PreparedScene::new(&setting.scene)?)?;
+    let methods: Vec<Method> = entries.iter().map(|entry| entry.method.clone()).collect();
     let mut report = walk::walk_setting(&setting, &methods, &options, None)?;
-    for (run, name) in report.runs.iter_mut().zip(&written) {
-        run.name = Some(name.clone());
+    for (run, entry) in report.runs.iter_mut().zip(&entries) {
+        run.name = Some(entry.written());
     }
     let front = pareto_front(&report);
     let plot = out.join("error-against-time.png");
     let title = format!("Error against run time: {}", report.scene_name);
-    error_against_time(&plot, &title, "means of the frames", &series(&report, &front))?;
+    error_against_time(&plot, &title, "means of the frames", &series(&report, &entries, &front))?;
     if let Some(target) = &options.json {
         let mut value = json::walk(&report);
-        value["pareto_front"] = json!(front.iter().map(|&i| &written[i]).collect::<Vec<_>>());
+        value["pareto_front"] = json!(front.iter().map(|&i| entries[i].written()).collect::<Vec<_>>());
+        value["left_out"] = json!(left_out);
         json::write_json(target, &value)?;
     }
     walk::print(
@@ -82,6 +121,7 @@ pub fn run(scene: &str, options: &Options) -> Result<()> {
         &Options { json: None, quiet: options.quiet || options.reports_to_stdout(), ..options.clone() },
     )?;
     if !options.quiet && !options.reports_to_stdout() {
+        left_out.iter().for_each(|line| say!("{line}"));
         print_front(&report, &front);
         say!("Plot: {}", plot.display());
     }
@@ -113,23 +153,21 @@ fn pareto_front(report: &WalkReport) -> Vec<usize> {
     order
 }
 
-fn series(report: &WalkReport, front: &[usize]) -> Vec<ScatterSeries> {
+/// A series a knob; methods that keep the picture are no sweep and stand apart, each by itself; the front last.
+fn series(report: &WalkReport, entries: &[Entry], front: &[usize]) -> Vec<ScatterSeries> {
     let point = |i: usize, label: &str| ScatterPoint {
         ms: ms(report, &report.runs[i]),
         wrong_percent: wrong(report, &report.runs[i]),
         label: label.to_owned(),
     };
-    let mut next = 0;
-    let mut all: Vec<ScatterSeries> = sweeps()
-        .map(|sweep| {
-            let points = sweep.values.iter().enumerate().map(|(k, value)| point(next + k, value)).collect();
-            next += sweep.values.len();
-            ScatterSeries { name: sweep.name.into(), points }
-        })
-        .collect();
-    // Methods that keep the picture are no sweep: they stand apart, not on a line.
-    let exact = all.remove(0);
-    all.splice(0..0, exact.points.into_iter().map(|p| ScatterSeries { name: p.label.clone(), points: vec![p] }));
+    let mut all: Vec<ScatterSeries> = Vec::new();
+    for (i, entry) in entries.iter().enumerate() {
+        let name = if entry.sweep.method.is_empty() { entry.value } else { entry.sweep.name };
+        match all.last_mut().filter(|last| last.name == name) {
+            Some(last) => last.points.push(point(i, entry.value)),
+            None => all.push(ScatterSeries { name: name.into(), points: vec![point(i, entry.value)] }),
+        }
+    }
     let points = front.iter().map(|&i| point(i, "")).collect();
     all.push(ScatterSeries { name: "Pareto front".into(), points });
     all

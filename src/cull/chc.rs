@@ -18,7 +18,6 @@ use super::coherent::{Frame, Pending, QueryParameters};
 use super::nearest_first::Waiting;
 use super::query_device::{Query, QueryDevice};
 use super::vfc::World;
-use crate::occlusion::ProjectedBox;
 use crate::scene::{Child, WideHierarchy};
 
 /// What a frame leaves to the next one: the states of the hierarchy's nodes, groups first, then objects.
@@ -98,8 +97,7 @@ impl ChcMemory {
 
 /// A query under way.
 struct Asked {
-    b: ProjectedBox,
-    group: Option<(u32, u8)>,
+    node: Waiting,
     /// Whether it was drawn or opened without waiting.
     taken: bool,
 }
@@ -136,26 +134,26 @@ pub(super) fn walk<S: Simd, D: QueryDevice>(
                     let unsure = if parameters.speculate { asked.iter_mut().find(|a| !a.taken) } else { None };
                     if let Some(unsure) = unsure {
                         unsure.taken = true;
-                        walk.traverse(s, unsure.b, unsure.group, device);
+                        walk.traverse(s, unsure.node, device);
                         next = walk.pending.pop();
                         continue;
                     }
                     device.wait()
                 }
             };
-            let Some(Asked { b, group, taken }) = asked.pop_front() else { break };
+            let Some(Asked { node, taken }) = asked.pop_front() else { break };
             if answer > frame.threshold {
-                walk.found_visible(b, group);
+                walk.found_visible(&node);
                 if !taken {
-                    walk.traverse(s, b, group, device);
+                    walk.traverse(s, node, device);
                     if next.is_none() {
                         next = walk.pending.pop();
                     }
                 }
             }
         }
-        let Some((b, group)) = next else { break };
-        walk.visit(s, b, group, &mut asked, device);
+        let Some(node) = next else { break };
+        walk.visit(s, node, &mut asked, device);
         next = walk.pending.pop();
     }
     walk.set
@@ -164,51 +162,45 @@ pub(super) fn walk<S: Simd, D: QueryDevice>(
 impl Walk<'_, '_> {
     /// Visits a node: opens it, draws it, or asks about it.
     #[inline(always)]
-    fn visit<S: Simd, D: QueryDevice>(
-        &mut self,
-        s: S,
-        b: ProjectedBox,
-        group: Option<(u32, u8)>,
-        asked: &mut VecDeque<Asked>,
-        device: &mut D,
-    ) {
+    fn visit<S: Simd, D: QueryDevice>(&mut self, s: S, waiting: Waiting, asked: &mut VecDeque<Asked>, device: &mut D) {
         let now = self.memory.frame;
-        let at = self.memory.index(&Waiting { b, group });
+        let at = self.memory.index(&waiting);
+        let leaf = waiting.group.is_none();
         let node = &mut self.memory.nodes[at];
         let was_visible = node.visible && node.visited == now - 1;
-        let assumed = group.is_none() && was_visible && node.assumed >= now;
+        let assumed = leaf && was_visible && node.assumed >= now;
         node.visible = false;
         node.visited = now;
         if assumed {
             self.memory.pull_up(at);
-        } else if group.is_none() || !was_visible {
-            device.issue(Query { b, group: group.map(|(group, _)| group) });
-            asked.push_back(Asked { b, group, taken: was_visible });
+        } else if leaf || !was_visible {
+            device.issue(Query::of(&waiting));
+            asked.push_back(Asked { node: waiting, taken: was_visible });
             self.set.queries += 1;
         }
         if was_visible {
-            self.traverse(s, b, group, device);
+            self.traverse(s, waiting, device);
         }
     }
 
     /// Takes down that a node is visible.
     #[inline(always)]
-    fn found_visible(&mut self, b: ProjectedBox, group: Option<(u32, u8)>) {
-        let at = self.memory.index(&Waiting { b, group });
+    fn found_visible(&mut self, node: &Waiting) {
+        let at = self.memory.index(node);
         self.memory.nodes[at].assumed = self.memory.frame + self.parameters.assume_visible;
         self.memory.pull_up(at);
     }
 
     /// Draws a leaf, or puts a group's children among what is to be visited.
     #[inline(always)]
-    fn traverse<S: Simd, D: QueryDevice>(&mut self, s: S, b: ProjectedBox, group: Option<(u32, u8)>, device: &mut D) {
+    fn traverse<S: Simd, D: QueryDevice>(&mut self, s: S, waiting: Waiting, device: &mut D) {
         let now = self.memory.frame;
-        let Some((group, active)) = group else {
-            let node = &mut self.memory.nodes[self.memory.groups + b.id() as usize];
+        let Some((group, active)) = waiting.group else {
+            let node = &mut self.memory.nodes[self.memory.groups + waiting.b.id() as usize];
             if node.drawn != now {
                 node.drawn = now;
-                device.draw(b.id());
-                self.set.objects.push(b.id());
+                device.draw(waiting.b.id());
+                self.set.objects.push(waiting.b.id());
             }
             return;
         };

@@ -6,14 +6,14 @@ use homcull_simd::{Kernel, Level, Simd};
 
 use super::VisibleSet;
 use super::chc::{self, ChcMemory};
-use super::nearest_first::{Front, Waiting, begin, open_group};
+use super::nearest_first::{NearestFirst, Waiting, begin, open_group};
 use super::query_device::{Drawing, QueryDevice, SteppedDevice, Waited};
 use super::query_thread;
 use super::stop_and_wait;
 use super::vfc::World;
 use crate::draw::{BandDraw, Canvas, clear, shade};
 use crate::error::{Error, Result};
-use crate::occlusion::{BoxView, PlacedRows, ProjectedBox, ProjectedBoxes};
+use crate::occlusion::{BoxView, PlacedRows, ProjectedBoxes};
 use crate::raster::{Engine, RasterCounts};
 use crate::scene::WideHierarchy;
 use crate::view::View;
@@ -120,7 +120,7 @@ pub(super) struct Frame<'a> {
 /// Nodes to visit.
 pub(super) struct Pending {
     order: Traversal,
-    front: Front,
+    front: NearestFirst,
     /// Depth first: the nearest last.
     stack: Vec<Waiting>,
     children: ProjectedBoxes,
@@ -130,23 +130,20 @@ impl Pending {
     /// The root, and what has no box.
     pub fn new(tree: &WideHierarchy, order: Traversal) -> Pending {
         let mut pending =
-            Pending { order, front: Front::default(), stack: Vec::new(), children: ProjectedBoxes::new() };
+            Pending { order, front: NearestFirst::default(), stack: Vec::new(), children: ProjectedBoxes::new() };
         begin(tree, &mut pending.front);
         pending.stack_up();
         pending
     }
 
-    /// The next node: its box, and `None` for an object.
+    /// The next node.
     #[inline(always)]
-    pub fn pop(&mut self) -> Option<(ProjectedBox, Option<(u32, u8)>)> {
-        #[allow(clippy::manual_map)] // kernels hold no closures
+    #[allow(clippy::manual_map)] // kernels hold no closures
+    pub fn pop(&mut self) -> Option<Waiting> {
         match self.order {
-            Traversal::Depth => match self.stack.pop() {
-                Some(w) => Some((w.b, w.group)),
-                None => None,
-            },
+            Traversal::Depth => self.stack.pop(),
             Traversal::Priority => match self.front.pop() {
-                Some((_, w)) => Some((w.b, w.group)),
+                Some((_, waiting)) => Some(waiting),
                 None => None,
             },
         }

@@ -63,10 +63,11 @@ impl PlpFrame {
             frame: self,
         };
         let queries = level.run(walk);
+        let occluder_triangles = buffer.counts().triangles;
         self.buffer = Some((view.viewport(), buffer));
         let set = self.set(world);
         let triangles_hidden = set.triangles_in_frustum - world.triangles(&set.objects);
-        Ok(VisibleSet { queries, triangles_hidden, ..set })
+        Ok(VisibleSet { queries, triangles_hidden, occluder_triangles, ..set })
     }
 
     /// Objects of the last frame's visible set that no projected cell held: see the module's head.

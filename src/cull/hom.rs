@@ -332,18 +332,18 @@ pub(crate) fn cull_selected(
         frame.selected.feedback.rest = rest.shorter();
         return Ok((VisibleSet { bypassed: true, ..world.all_of(&frame.selected.boxes) }, frame));
     }
-    let set = match parameters.update {
+    let mut set = match parameters.update {
         Update::Once => one_pass(world, workers, parameters, &mut frame)?,
         Update::Always if frame.selected.walks_tree => progressive::cull(world, parameters, &mut frame),
         Update::Always => multi_pass(world, parameters, 0, &mut frame)?,
         Update::Batches(triangles) => multi_pass(world, parameters, triangles, &mut frame)?,
     };
     // Not the rasterizer's count for one pass: that is by bands, and so by threads.
-    let occluders = match parameters.update {
+    set.occluder_triangles = match parameters.update {
         Update::Once => frame.selected.occluder_triangles(),
         Update::Always | Update::Batches(_) => frame.buffer.counts().triangles,
     };
-    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= occluders;
+    let paid = set.triangles_hidden.saturating_mul(GAIN_OVER_COST) >= set.occluder_triangles;
     frame.selected.feedback.rest = rest.after(paid, parameters.rest);
     Ok((set, frame))
 }

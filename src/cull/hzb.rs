@@ -12,11 +12,12 @@
 use homcull_simd::{Kernel, Level, Simd};
 
 use super::VisibleSet;
-use super::nearest_first::{Front, begin, open_group};
+use super::nearest_first::{NearestFirst, begin, open_group};
+use super::query_device::{Drawing, Query};
 use super::vfc::World;
-use crate::draw::{BandDraw, Canvas, DrawSink, clear, shade};
+use crate::draw::{BandDraw, Canvas, clear, shade};
 use crate::error::Result;
-use crate::occlusion::{AtOnce, BoxView, DepthReading, PlacedRows, ProjectedBoxes, test_box};
+use crate::occlusion::{BoxView, PlacedRows, ProjectedBoxes};
 use crate::raster::{Engine, RasterCounts};
 use crate::view::View;
 use crate::workers::Workers;
@@ -51,7 +52,9 @@ pub fn draw(
     let level = canvas.level();
     let objects = world.scene.occluders.len();
     let mut first = vec![false; if previous_first { objects } else { 0 }];
-    for &object in memory.previous.iter().filter(|_| previous_first) {
+    // Another scene has other objects: none of them is drawn first.
+    memory.previous.retain(|&object| previous_first && (object as usize) < objects);
+    for &object in &memory.previous {
         first[object as usize] = true;
     }
     let frame = Frame { level, world, view, box_view: &box_view, previous: &memory.previous, first: &first };
@@ -116,25 +119,17 @@ impl Kernel for Walk<'_, '_> {
         let Frame { world, view, box_view, previous, first, .. } = job.frame;
         let (scene, tree) = (world.scene, &world.tree);
         clear(&mut sink);
-        let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };
-        let mut placed = PlacedRows::new(view);
-        if !first.is_empty() {
-            for &object in previous {
-                draw_object(&mut engine, &mut placed, world, object);
-            }
-            engine.flush();
+        let engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };
+        let mut drawing = Drawing { engine, placed: PlacedRows::new(view), world, box_view, threshold: 0 };
+        for &object in previous {
+            drawing.draw(object);
         }
-        let mut front = Front::default();
+        let mut front = NearestFirst::default();
         begin(tree, &mut front);
         let mut children = ProjectedBoxes::new();
         while let Some((_, waiting)) = front.pop() {
             let (b, group) = (waiting.b, waiting.group);
-            let (asked, bounds) = match group {
-                Some((group, _)) => (b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize])),
-                None => (b, &scene.bounds[..]),
-            };
-            let state = AtOnce { map: engine.sink.view(), reading: DepthReading::PerSample };
-            let hidden: bool = test_box(s, &state, box_view, &asked, bounds, true);
+            let hidden = drawing.answer(Query::of(&waiting)) == 0;
             job.queries += 1;
             match group {
                 Some((group, _)) if hidden => job.hidden += world.group_triangles[group as usize],
@@ -143,27 +138,13 @@ impl Kernel for Walk<'_, '_> {
                 None => {
                     let id = b.id();
                     job.visible[id as usize] = true;
-                    if first.is_empty() || !first[id as usize] {
-                        draw_object(&mut engine, &mut placed, world, id);
-                        engine.flush();
+                    if !first.get(id as usize).is_some_and(|&drawn| drawn) {
+                        drawing.draw(id);
                     }
                 }
             }
         }
-        shade(s, &engine.sink, &scene.colors, image);
+        drawing.engine.flush();
+        shade(s, &drawing.engine.sink, &scene.colors, image);
     }
-}
-
-/// Draws an object; some of its triangles may wait in the queues.
-#[inline(always)]
-fn draw_object<'a, S: Simd>(
-    engine: &mut Engine<'_, S, DrawSink<'a>>,
-    placed: &mut PlacedRows<'_>,
-    world: &World<'_>,
-    object: u32,
-) {
-    let scene = world.scene;
-    let mut placement = placed.placement(&scene.occluders[object as usize]);
-    placement.first_triangle = scene.first_triangle[object as usize];
-    engine.draw(&scene.meshes, &placement);
 }

@@ -50,7 +50,7 @@ pub use sources::{OccluderSources, SharedSources};
 /// What a frame's culling found, and what it cost in counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct VisibleSet {
-    /// Objects to draw, nearest first.
+    /// Objects to draw, nearest first; of what draws while it culls, those drawn, in its own order.
     pub objects: Vec<u32>,
     /// Objects whose box meets the frustum; 0 where they were not all looked at, as when a walk drops hidden nodes.
     pub in_frustum: u32,
@@ -58,6 +58,8 @@ pub struct VisibleSet {
     pub triangles_in_frustum: u64,
     /// Triangles of what was found hidden; where a whole node was, of all below it, in the frustum or not.
     pub triangles_hidden: u64,
+    /// Triangles drawn as occluders, into another buffer than the picture; 0 where the picture itself occludes.
+    pub occluder_triangles: u64,
     /// Occlusion tests of objects and nodes.
     pub queries: u64,
     /// Of the tests that walked the pyramid, by the level that decided them (thesis 8.2.4).

@@ -21,12 +21,12 @@ pub(super) struct Waiting {
 
 /// The queue: keys are distance bits, then the place in the list, so that ties come out as they went in.
 #[derive(Default)]
-pub(super) struct Front {
+pub(super) struct NearestFirst {
     heap: BinaryHeap<Reverse<u64>>,
     waiting: Vec<Waiting>,
 }
 
-impl Front {
+impl NearestFirst {
     pub fn push(&mut self, distance: u32, waiting: Waiting) {
         self.heap.push(Reverse(u64::from(distance) << 32 | self.waiting.len() as u64));
         self.waiting.push(waiting);
@@ -36,20 +36,20 @@ impl Front {
     pub fn move_to(&mut self, stack: &mut Vec<Waiting>) {
         let from = stack.len();
         while let Some((_, waiting)) = self.pop() {
-            stack.push(*waiting);
+            stack.push(waiting);
         }
         stack[from..].reverse();
         self.waiting.clear();
     }
 
-    pub fn pop(&mut self) -> Option<(u32, &Waiting)> {
+    pub fn pop(&mut self) -> Option<(u32, Waiting)> {
         let Reverse(key) = self.heap.pop()?;
-        Some(((key >> 32) as u32, &self.waiting[key as u32 as usize]))
+        Some(((key >> 32) as u32, self.waiting[key as u32 as usize]))
     }
 }
 
 /// The root, and what has no box.
-pub(super) fn begin(tree: &WideHierarchy, front: &mut Front) {
+pub(super) fn begin(tree: &WideHierarchy, front: &mut NearestFirst) {
     if !tree.is_empty() {
         front.push(0, Waiting { b: ProjectedBox::everywhere(NEAR), group: Some((0, ALL_PLANES)) });
     }
@@ -67,7 +67,7 @@ pub(super) fn open_group<S: Simd>(
     group: u32,
     active: u8,
     children: &mut ProjectedBoxes,
-    front: &mut Front,
+    front: &mut NearestFirst,
 ) {
     let boxes = Edges::new(s, view, &tree.groups[group as usize]);
     let (k, inside) = boxes.against_planes(s, view, active, tree.used(group));

@@ -11,7 +11,7 @@ use super::VisibleSet;
 use super::frustum::CollectInFrustum;
 use super::hom::{BYPASS_BATCH, Bypass, HomFrame, Selected};
 use super::method::HomParameters;
-use super::nearest_first::{Front, begin, open_group};
+use super::nearest_first::{NearestFirst, begin, open_group};
 use super::vfc::World;
 use crate::occlusion::{
     AtOnce, BoxView, DepthReading, OccluderSink, OcclusionSettings, PlacedRows, ProjectedBoxes, test_box,
@@ -75,7 +75,7 @@ impl Kernel for Walk<'_, '_, '_> {
         let mut placed = PlacedRows::new(view);
         let mut set = VisibleSet::default();
         let mut bypass = Bypass::new(bypass_after);
-        let mut front = Front::default();
+        let mut front = NearestFirst::default();
         rest.clear();
         begin(tree, &mut front);
         let mut children = ProjectedBoxes::new();
@@ -139,7 +139,7 @@ fn take_rest<S: Simd>(
     s: S,
     view: &BoxView,
     tree: &WideHierarchy,
-    front: &mut Front,
+    front: &mut NearestFirst,
     stack: &mut Vec<(u32, u8)>,
     rest: &mut ProjectedBoxes,
 ) {

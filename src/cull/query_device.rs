@@ -11,6 +11,7 @@ use std::collections::VecDeque;
 
 use homcull_simd::Simd;
 
+use super::nearest_first::Waiting;
 use super::vfc::World;
 use crate::draw::DrawSink;
 use crate::occlusion::{AtOnce, BoxView, DepthReading, PlacedRows, ProjectedBox, test_box};
@@ -22,6 +23,20 @@ pub(super) struct Query {
     pub b: ProjectedBox,
     /// `None` for an object, whose id is the box's.
     pub group: Option<u32>,
+}
+
+impl Query {
+    #[inline(always)]
+    #[allow(clippy::manual_map)] // kernels hold no closures
+    pub fn of(waiting: &Waiting) -> Query {
+        Query {
+            b: waiting.b,
+            group: match waiting.group {
+                Some((group, _)) => Some(group),
+                None => None,
+            },
+        }
+    }
 }
 
 /// What was waited for.

@@ -13,17 +13,17 @@ use super::query_device::{Query, QueryDevice};
 pub(super) fn walk<S: Simd, D: QueryDevice>(s: S, frame: &Frame<'_>, order: Traversal, device: &mut D) -> VisibleSet {
     let mut set = VisibleSet::default();
     let mut pending = Pending::new(&frame.world.tree, order);
-    while let Some((b, group)) = pending.pop() {
-        device.issue(Query { b, group: group.map(|(group, _)| group) });
+    while let Some(node) = pending.pop() {
+        device.issue(Query::of(&node));
         set.queries += 1;
         if device.wait() <= frame.threshold {
             continue;
         }
-        match group {
+        match node.group {
             Some((group, active)) => pending.open(s, frame, group, active),
             None => {
-                device.draw(b.id());
-                set.objects.push(b.id());
+                device.draw(node.b.id());
+                set.objects.push(node.b.id());
             }
         }
     }

@@ -15,7 +15,7 @@ use crate::error::Result;
 type Column = (&'static str, fn(&FrameRecord) -> String);
 
 /// The columns after `method`, `parameters` and `frame`, left to right.
-const COLUMNS: [Column; 22] = [
+const COLUMNS: [Column; 25] = [
     ("frame_ms", |frame| frame.frame_ms.to_string()),
     ("select_ms", |frame| frame.stage_ms.select.to_string()),
     ("occluders_ms", |frame| frame.stage_ms.occluders.to_string()),
@@ -38,6 +38,9 @@ const COLUMNS: [Column; 22] = [
     ("occsel_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.select_waiting))),
     ("cull_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.cull_waiting))),
     ("draw_waiting_ms", |frame| known(frame.pipeline_ms.map(|times| times.draw_waiting))),
+    ("occluder_triangles", |frame| frame.occluder_triangles.to_string()),
+    ("waited_steps", |frame| frame.waited_steps.to_string()),
+    ("waited_ms", |frame| frame.waited_ms.to_string()),
 ];
 
 /// Writes every frame of every run. Frames count from 0; `parameters` is `key=value,...`.

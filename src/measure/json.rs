@@ -110,7 +110,10 @@ fn mean(report: &WalkReport, run: &MethodRun) -> Value {
         "triangles_drawn": mean.triangles_drawn,
         "triangles_visible_exact": mean.triangles_visible_exact,
         "depth_complexity": mean.depth_complexity,
+        "occluder_triangles": mean.occluder_triangles,
         "queries": mean.queries,
+        "waited_steps": mean.waited_steps,
+        "waited_ms": mean.waited_ms,
     })
 }
 

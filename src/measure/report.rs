@@ -72,8 +72,14 @@ pub struct FrameRecord {
     pub triangles_visible_exact: Option<u64>,
     /// Samples covered by the triangles drawn, hidden ones included.
     pub fragments: u64,
+    /// Triangles drawn as occluders, into another buffer than the picture.
+    pub occluder_triangles: u64,
     /// Occlusion tests of boxes.
     pub queries: u64,
+    /// What was waited for answers to occlusion queries, of the frame's first repetition: steps, and milliseconds of a device with a thread.
+    pub waited_steps: u64,
+    /// See `waited_steps`.
+    pub waited_ms: f64,
     /// Whether the method gave up testing in this frame because nothing was hidden.
     pub bypassed: bool,
     /// Objects with a sample in the exact image that were not drawn; `None` without the reference.
@@ -162,8 +168,14 @@ pub struct MeanCounts {
     pub triangles_visible_exact: Option<f64>,
     /// Samples covered by the drawn triangles for each pixel of the view.
     pub depth_complexity: f64,
+    /// Triangles drawn as occluders.
+    pub occluder_triangles: f64,
     /// Occlusion tests.
     pub queries: f64,
+    /// Steps waited for their answers.
+    pub waited_steps: f64,
+    /// Milliseconds waited for their answers.
+    pub waited_ms: f64,
 }
 
 /// A ratio of two runs' frame times, three ways.
@@ -244,7 +256,10 @@ impl MethodRun {
             triangles_visible_exact: self
                 .mean_if_known(|frame| frame.triangles_visible_exact.map(|count| count as f64)),
             depth_complexity: self.mean_of(|frame| frame.depth_complexity(pixels)),
+            occluder_triangles: self.mean_of(|frame| frame.occluder_triangles as f64),
             queries: self.mean_of(|frame| frame.queries as f64),
+            waited_steps: self.mean_of(|frame| frame.waited_steps as f64),
+            waited_ms: self.mean_of(|frame| frame.waited_ms),
         }
     }
 

@@ -12,9 +12,13 @@ use crate::cull::hzb::{self, HzbMemory};
 use crate::cull::plp::PlpFrame;
 use crate::cull::portals::{self, PortalMemory, PortalScene};
 use crate::cull::vfc::{self, VfcMemory, World};
-use crate::cull::{FeedbackLine, HomParameters, IdealSet, Method, SharedCells, SharedSources, VisibleSet, ideal};
+use crate::cull::{
+    FeedbackLine, HomParameters, HzbParameters, IdealSet, Method, PlpParameters, PortalParameters, SharedCells,
+    SharedSources, VisibleSet, ideal,
+};
 use crate::draw::{Canvas, DrawJob};
 use crate::error::{Error, Result};
+use crate::scene::PreparedScene;
 use crate::select::Prisms;
 use crate::view::View;
 
@@ -25,21 +29,26 @@ pub(super) struct Runner<'m> {
     pub method: &'m Method,
     pub canvas: Canvas,
     pub tally: Tally,
-    state: State,
+    state: State<'m>,
     /// What the frames before left behind: every repetition begins with it.
     before: Before,
 }
 
-/// What a method keeps from frame to frame.
-enum State {
+/// A method with its parameters and what it keeps from frame to frame.
+enum State<'m> {
     Vfc(VfcMemory),
-    /// Taken while a frame is culled.
-    Hom(Option<Box<HomFrame>>),
-    Hzb(HzbMemory),
-    Queries(ChcMemory),
+    /// The frame is taken while it is culled.
+    Hom(&'m HomParameters, Option<Box<HomFrame>>),
+    Hzb(&'m HzbParameters, HzbMemory),
+    Queries(&'m QueryParameters, ChcMemory),
     Horizons(Box<(Prisms, HorizonsMemory)>),
-    Portals(Box<(PortalScene, PortalMemory)>),
-    Plp(Box<PlpFrame>),
+    Portals(&'m PortalParameters, Box<(PortalScene, PortalMemory)>),
+    Plp(&'m PlpParameters, Box<PlpFrame>),
+    Cplp(&'m PlpParameters, Box<PlpFrame>),
+    /// The objects of the exact item buffer.
+    Exact,
+    /// The visible set of stop-and-wait.
+    StopAndWait(ChcMemory),
 }
 
 /// The part of it that a frame reads.
@@ -50,51 +59,70 @@ enum Before {
     Queries(ChcMemory),
 }
 
-impl State {
+impl<'m> State<'m> {
     fn new(
-        method: &Method,
+        method: &'m Method,
         world: &World<'_>,
         view: &View,
         options: &WalkOptions<'_>,
         (sources, cells): (&mut SharedSources, &mut SharedCells),
-    ) -> Result<State> {
+    ) -> Result<State<'m>> {
+        let scene = world.scene;
         Ok(match method {
-            Method::Vfc | Method::Ideal(IdealSet::Exact) => State::Vfc(VfcMemory::default()),
-            Method::Hzb(_) => State::Hzb(HzbMemory::default()),
-            Method::Plp(p) | Method::Cplp(p) => {
-                State::Plp(Box::new(PlpFrame::new(options.level, cells.of(world.scene, p))))
-            }
-            Method::Portals(_) => State::Portals(Box::new((PortalScene::new(world.scene)?, PortalMemory::default()))),
-            Method::Horizons => State::Horizons(Box::new((prisms_of(world)?, HorizonsMemory::default()))),
-            Method::Queries(_) | Method::Ideal(IdealSet::StopAndWait) => State::Queries(ChcMemory::default()),
-            Method::Hom(parameters) => {
-                let mut frame = HomFrame::new(view, options.level, parameters)?;
-                if let Some(sources) = sources.of(world.scene, parameters)? {
+            Method::Vfc => State::Vfc(VfcMemory::default()),
+            Method::Hzb(p) => State::Hzb(p, HzbMemory::default()),
+            Method::Queries(p) => State::Queries(p, ChcMemory::default()),
+            Method::Plp(p) => State::Plp(p, Box::new(PlpFrame::new(options.level, cells.of(scene, p)))),
+            Method::Cplp(p) => State::Cplp(p, Box::new(PlpFrame::new(options.level, cells.of(scene, p)))),
+            Method::Portals(p) => State::Portals(p, Box::new((PortalScene::new(scene)?, PortalMemory::default()))),
+            Method::Horizons => State::Horizons(Box::new((prisms_of(scene)?, HorizonsMemory::default()))),
+            Method::Ideal(IdealSet::Exact) => State::Exact,
+            Method::Ideal(IdealSet::StopAndWait) => State::StopAndWait(ChcMemory::default()),
+            Method::Hom(p) => {
+                let mut frame = HomFrame::new(view, options.level, p)?;
+                if let Some(sources) = sources.of(scene, p)? {
                     frame.set_sources(sources);
                 }
-                State::Hom(Some(Box::new(frame)))
+                State::Hom(p, Some(Box::new(frame)))
             }
         })
     }
 
     fn memory(&self) -> Before {
         match self {
-            State::Hom(Some(frame)) => Before::Hom(frame.memory().clone()),
-            State::Hzb(memory) => Before::Hzb(memory.clone()),
-            State::Queries(memory) => Before::Queries(memory.clone()),
-            State::Vfc(_) | State::Hom(None) | State::Horizons(_) | State::Portals(_) | State::Plp(_) => {
-                Before::Nothing
-            }
+            State::Hom(_, Some(frame)) => Before::Hom(frame.memory().clone()),
+            State::Hzb(_, memory) => Before::Hzb(memory.clone()),
+            State::Queries(_, memory) => Before::Queries(memory.clone()),
+            // These keep working memory alone, or nothing.
+            State::Hom(_, None) | State::Vfc(_) | State::Exact | State::StopAndWait(_) => Before::Nothing,
+            State::Horizons(_) | State::Portals(..) | State::Plp(..) | State::Cplp(..) => Before::Nothing,
         }
     }
 
     fn set_memory(&mut self, before: &Before) {
         match (self, before) {
-            (State::Hom(Some(frame)), Before::Hom(memory)) => frame.set_memory(memory),
-            (State::Hzb(own), Before::Hzb(memory)) => own.clone_from(memory),
-            (State::Queries(own), Before::Queries(memory)) => own.clone_from(memory),
+            (State::Hom(_, Some(frame)), Before::Hom(memory)) => frame.set_memory(memory),
+            (State::Hzb(_, own), Before::Hzb(memory)) => own.clone_from(memory),
+            (State::Queries(_, own), Before::Queries(memory)) => own.clone_from(memory),
             _ => {}
         }
+    }
+
+    /// Whether the method draws the picture while it culls.
+    fn draws(&self) -> bool {
+        matches!(self, State::Hzb(..) | State::Queries(..))
+    }
+}
+
+/// Why a method does not apply to a scene, if it does not.
+///
+/// # Errors
+/// [`Error::Parameter`] that says so.
+pub fn applies(method: &Method, scene: &PreparedScene) -> Result<()> {
+    match method {
+        Method::Portals(_) => PortalScene::new(scene).map(drop),
+        Method::Horizons => prisms_of(scene).map(drop),
+        _ => Ok(()),
     }
 }
 
@@ -125,7 +153,7 @@ impl<'m> Runner<'m> {
     /// The occlusion representation, of hom methods.
     pub fn look(&mut self) -> (&Canvas, &mut Tally, Option<&mut HomFrame>) {
         let hom = match &mut self.state {
-            State::Hom(frame) => frame.as_deref_mut(),
+            State::Hom(_, frame) => frame.as_deref_mut(),
             _ => None,
         };
         (&self.canvas, &mut self.tally, hom)
@@ -147,8 +175,7 @@ impl<'m> Runner<'m> {
             Some(set) => set,
             None => self.cull(world, view, options, &mut stages)?,
         };
-        let draws_itself = matches!(self.method, Method::Hzb(_) | Method::Queries(_));
-        if !draws_itself {
+        if !self.state.draws() {
             let (workers, canvas) = (options.workers, &mut self.canvas);
             timed(&mut stages.draw, || {
                 canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
@@ -163,14 +190,14 @@ impl<'m> Runner<'m> {
 
     /// The set of an ideal, found before time is taken.
     fn ideal(&mut self, world: &World<'_>, view: &View, exact: &Exact) -> Result<Option<VisibleSet>> {
-        Ok(match (self.method, &mut self.state) {
-            (Method::Ideal(_), State::Queries(memory)) => {
+        match &mut self.state {
+            State::Exact => Ok(Some(ideal::cull(world, &exact.in_frustum, &exact.samples))),
+            State::StopAndWait(memory) => {
                 let stop_and_wait = QueryParameters::new(false);
-                Some(coherent::draw(world, view, &stop_and_wait, memory, &mut self.canvas)?)
+                coherent::draw(world, view, &stop_and_wait, memory, &mut self.canvas).map(Some)
             }
-            (Method::Ideal(_), _) => Some(ideal::cull(world, &exact.in_frustum, &exact.samples)),
-            _ => None,
-        })
+            _ => Ok(None),
+        }
     }
 
     /// Culls; some methods draw meanwhile.
@@ -181,30 +208,26 @@ impl<'m> Runner<'m> {
         options: &WalkOptions<'_>,
         stages: &mut StageTimes,
     ) -> Result<VisibleSet> {
-        let canvas = &mut self.canvas;
-        match (self.method, &mut self.state) {
-            (Method::Hom(parameters), State::Hom(frame)) => cull_hom(frame, world, view, parameters, options, stages),
-            (Method::Hzb(parameters), State::Hzb(memory)) => timed(&mut stages.draw, || {
-                hzb::draw(world, options.workers, view, parameters.previous_first, memory, canvas)
-            }),
-            (Method::Queries(parameters), State::Queries(memory)) => {
-                timed(&mut stages.draw, || coherent::draw(world, view, parameters, memory, canvas))
+        let (level, canvas) = (options.level, &mut self.canvas);
+        match &mut self.state {
+            State::Hom(p, frame) => cull_hom(frame, world, view, p, options, stages),
+            State::Hzb(p, memory) => {
+                timed(&mut stages.draw, || hzb::draw(world, options.workers, view, p.previous_first, memory, canvas))
             }
-            (_, State::Horizons(state)) => {
-                Ok(timed(&mut stages.cull, || horizons::cull(world, &state.0, options.level, view, &mut state.1)))
+            State::Queries(p, memory) => timed(&mut stages.draw, || coherent::draw(world, view, p, memory, canvas)),
+            State::Cplp(p, frame) => timed(&mut stages.cull, || frame.cplp(world, view, p)),
+            State::Plp(p, frame) => Ok(timed(&mut stages.cull, || frame.plp(world, view, p))),
+            State::Vfc(memory) => Ok(timed(&mut stages.cull, || vfc::cull(world, level, view, memory))),
+            State::Portals(p, state) => {
+                let (scene, memory) = &mut **state;
+                Ok(timed(&mut stages.cull, || portals::cull(world, level, view, scene, p, memory)))
             }
-            (Method::Plp(parameters), State::Plp(frame)) => {
-                Ok(timed(&mut stages.cull, || frame.plp(world, view, parameters)))
+            State::Horizons(state) => {
+                let (prisms, memory) = &mut **state;
+                Ok(timed(&mut stages.cull, || horizons::cull(world, prisms, level, view, memory)))
             }
-            (Method::Cplp(parameters), State::Plp(frame)) => {
-                timed(&mut stages.cull, || frame.cplp(world, view, parameters))
-            }
-            (Method::Portals(parameters), State::Portals(state)) => Ok(timed(&mut stages.cull, || {
-                portals::cull(world, options.level, view, &state.0, parameters, &mut state.1)
-            })),
-            (_, State::Vfc(memory)) => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, memory))),
-            // A state is made for its method.
-            _ => Ok(timed(&mut stages.cull, || vfc::cull(world, options.level, view, &mut VfcMemory::default()))),
+            // Found before.
+            State::Exact | State::StopAndWait(_) => Ok(VisibleSet::default()),
         }
     }
 }
@@ -230,8 +253,8 @@ fn cull_hom(
 }
 
 /// The occluders of horizons; an error where there are none, as the method does not apply then.
-fn prisms_of(world: &World<'_>) -> Result<Prisms> {
-    let prisms = Prisms::new(world.scene)?;
+fn prisms_of(scene: &PreparedScene) -> Result<Prisms> {
+    let prisms = Prisms::new(scene)?;
     let reason = "no object has a closed, opaque, upright part with a box inside: there is nothing to occlude with";
     if prisms.is_empty() { Err(Error::parameter("method", "horizons", reason)) } else { Ok(prisms) }
 }

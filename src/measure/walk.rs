@@ -11,6 +11,7 @@ use super::clock::clock_ghz;
 use super::memory::peak_memory_bytes;
 use super::report::{FrameRecord, MethodRun, WalkReport};
 use super::runner::Runner;
+pub use super::runner::applies;
 use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::HomFrame;
@@ -228,7 +229,10 @@ impl Tally {
             triangles_drawn: world.triangles(&drawn),
             triangles_visible_exact: errors.then(|| world.triangles(&seen)),
             fragments: drawn.iter().map(|&o| exact.fragments[o as usize]).sum(),
+            occluder_triangles: set.occluder_triangles,
             queries: set.queries,
+            waited_steps: set.waited.steps,
+            waited_ms: set.waited.nanoseconds as f64 * 1e-6,
             bypassed: set.bypassed,
             wrongly_culled: errors.then_some(missing),
             wrong_pixels: errors.then_some(wrong),

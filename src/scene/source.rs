@@ -63,7 +63,7 @@ impl SceneSource {
         let name = argument.split(':').next().unwrap_or_default();
         // A folder that happens to be called as a generator is not meant.
         let is_generator = generators().iter().any(|g| g.name == name);
-        if path.is_dir() && !(is_generator && !path.join("scene.bin").is_file()) {
+        if path.is_dir() && (!is_generator || path.join("scene.bin").is_file()) {
             let lacking = ["scene.bin", "views.bin"].into_iter().find(|file| !path.join(file).is_file());
             return match lacking {
                 None => Ok(SceneSource::Benchmark(path.into())),
