@@ -174,7 +174,7 @@ fn the_csv_has_a_row_for_each_method_and_frame() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 5 * 4);
     assert!(lines[0].starts_with("method,parameters,frame,frame_ms,select_ms,"), "{}", lines[0]);
-    assert!(lines[1].starts_with("vfc,,0,") && lines[1].ends_with(','), "{}", lines[1]);
+    assert!(lines[1].starts_with("vfc,,0,") && lines[1].contains(",,"), "{}", lines[1]);
     assert!(lines[6].starts_with("hom,\"depth=nbz,threshold=1\",1,"), "{}", lines[6]);
 }
 

@@ -195,7 +195,7 @@ impl Walk<'_, '_> {
     #[inline(always)]
     fn traverse<S: Simd, D: QueryDevice>(&mut self, s: S, waiting: Waiting, device: &mut D) {
         let now = self.memory.frame;
-        let Some((group, active)) = waiting.group else {
+        let Some(group) = waiting.group else {
             let node = &mut self.memory.nodes[self.memory.groups + waiting.b.id() as usize];
             if node.drawn != now {
                 node.drawn = now;
@@ -204,6 +204,6 @@ impl Walk<'_, '_> {
             }
             return;
         };
-        self.pending.open(s, self.frame, group, active);
+        self.pending.open(s, self.frame, group);
     }
 }

@@ -151,8 +151,8 @@ impl Pending {
 
     /// Puts a group's children that meet the frustum among what is to be visited.
     #[inline(always)]
-    pub fn open<S: Simd>(&mut self, s: S, frame: &Frame<'_>, group: u32, planes: u8) {
-        open_group(s, frame.box_view, &frame.world.tree, group, planes, &mut self.children, &mut self.front);
+    pub fn open<S: Simd>(&mut self, s: S, frame: &Frame<'_>, group: (u32, u8)) {
+        open_group(s, frame.box_view, &frame.world.tree, group, &mut self.children, &mut self.front);
         self.stack_up();
     }
 

@@ -133,7 +133,7 @@ impl Kernel for Walk<'_, '_> {
             job.queries += 1;
             match group {
                 Some((group, _)) if hidden => job.hidden += world.group_triangles[group as usize],
-                Some((group, active)) => open_group(s, box_view, tree, group, active, &mut children, &mut front),
+                Some(group) => open_group(s, box_view, tree, group, &mut children, &mut front),
                 None if hidden => job.hidden += u64::from(scene.triangles(b.id())),
                 None => {
                     let id = b.id();

@@ -5,7 +5,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use homcull_simd::Simd;
+use homcull_simd::{Kernel, Simd};
 
 use super::frustum::{ALL_PLANES, planes_left};
 use crate::occlusion::{BoxView, Edges, NEAR, ProjectedBox, ProjectedBoxes, project_lanes};
@@ -64,29 +64,48 @@ pub(super) fn open_group<S: Simd>(
     s: S,
     view: &BoxView,
     tree: &WideHierarchy,
-    group: u32,
-    active: u8,
+    (group, active): (u32, u8),
     children: &mut ProjectedBoxes,
     front: &mut NearestFirst,
 ) {
-    let boxes = Edges::new(s, view, &tree.groups[group as usize]);
-    let (k, inside) = boxes.against_planes(s, view, active, tree.used(group));
-    if k == 0 {
-        return;
-    }
-    let mut lanes = [0; 16];
-    for (i, lane) in lanes.iter_mut().enumerate() {
-        *lane = i as u32;
-    }
-    children.clear();
-    project_lanes(s, view, &boxes, k, &lanes, children);
-    let links = tree.links(group);
-    for (b, distance) in children.with_distances() {
-        let lane = b.id() as usize;
-        let waiting = match WideHierarchy::child(links[lane]) {
-            Child::Object(id) => Waiting { b: b.renumbered(id), group: None },
-            Child::Group(child) => Waiting { b: *b, group: Some((child, planes_left(active, &inside, lane))) },
-        };
-        front.push(distance, waiting);
+    s.vectorize(OpenGroup { view, tree, group, active, children, front });
+}
+
+/// One function a level, however many walks open groups: it is inlined nowhere.
+struct OpenGroup<'a> {
+    view: &'a BoxView,
+    tree: &'a WideHierarchy,
+    group: u32,
+    active: u8,
+    children: &'a mut ProjectedBoxes,
+    front: &'a mut NearestFirst,
+}
+
+impl Kernel for OpenGroup<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let OpenGroup { view, tree, group, active, children, front } = self;
+        let boxes = Edges::new(s, view, &tree.groups[group as usize]);
+        let (k, inside) = boxes.against_planes(s, view, active, tree.used(group));
+        if k == 0 {
+            return;
+        }
+        let mut lanes = [0; 16];
+        for (i, lane) in lanes.iter_mut().enumerate() {
+            *lane = i as u32;
+        }
+        children.clear();
+        project_lanes(s, view, &boxes, k, &lanes, children);
+        let links = tree.links(group);
+        for (b, distance) in children.with_distances() {
+            let lane = b.id() as usize;
+            let waiting = match WideHierarchy::child(links[lane]) {
+                Child::Object(id) => Waiting { b: b.renumbered(id), group: None },
+                Child::Group(child) => Waiting { b: *b, group: Some((child, planes_left(active, &inside, lane))) },
+            };
+            front.push(distance, waiting);
+        }
     }
 }

@@ -94,7 +94,7 @@ impl Kernel for Walk<'_, '_, '_> {
                     bypass.saw(true);
                     set.triangles_hidden += world.group_triangles[group as usize];
                 }
-                Some((group, active)) => open_group(s, box_view, tree, group, active, &mut children, &mut front),
+                Some(group) => open_group(s, box_view, tree, group, &mut children, &mut front),
                 None => {
                     bypass.saw(hidden);
                     objects_tested += 1;

@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use homcull_simd::Simd;
+use homcull_simd::{Kernel, Simd};
 
 use super::nearest_first::Waiting;
 use super::vfc::World;
@@ -79,29 +79,55 @@ impl<S: Simd> Drawing<'_, '_, '_, S> {
     /// Draws an object; some of its triangles may wait in the queues.
     #[inline(always)]
     pub fn draw(&mut self, object: u32) {
-        let scene = self.world.scene;
-        let mut placement = self.placed.placement(&scene.occluders[object as usize]);
-        placement.first_triangle = scene.first_triangle[object as usize];
-        self.engine.draw(&scene.meshes, &placement);
+        self.engine.simd.vectorize(DrawObject(self, object));
     }
 
     /// Visible samples of a node, exact up to one more than the threshold.
     #[inline(always)]
     pub fn answer(&mut self, query: Query) -> u32 {
-        self.engine.flush();
-        let (scene, tree, s) = (self.world.scene, &self.world.tree, self.engine.simd);
+        self.engine.simd.vectorize(AnswerQuery(self, query))
+    }
+}
+
+// Both are inlined nowhere: one function a level serves every walk.
+
+struct DrawObject<'d, 'q, 'a, 'w, S>(&'d mut Drawing<'q, 'a, 'w, S>, u32);
+
+impl<S: Simd> Kernel for DrawObject<'_, '_, '_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<T: Simd>(self, _: T) {
+        let DrawObject(drawing, object) = self;
+        let scene = drawing.world.scene;
+        let mut placement = drawing.placed.placement(&scene.occluders[object as usize]);
+        placement.first_triangle = scene.first_triangle[object as usize];
+        drawing.engine.draw(&scene.meshes, &placement);
+    }
+}
+
+struct AnswerQuery<'d, 'q, 'a, 'w, S>(&'d mut Drawing<'q, 'a, 'w, S>, Query);
+
+impl<S: Simd> Kernel for AnswerQuery<'_, '_, '_, '_, S> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn run<T: Simd>(self, _: T) -> u32 {
+        let AnswerQuery(drawing, query) = self;
+        drawing.engine.flush();
+        let (scene, tree, s) = (drawing.world.scene, &drawing.world.tree, drawing.engine.simd);
         let (asked, bounds) = match query.group {
             Some(group) => (query.b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize])),
             None => (query.b, &scene.bounds[..]),
         };
-        let state = AtOnce { map: self.engine.sink.view(), reading: DepthReading::PerSample };
-        if test_box(s, &state, self.box_view, &asked, bounds, true) {
+        let state = AtOnce { map: drawing.engine.sink.view(), reading: DepthReading::PerSample };
+        if test_box(s, &state, drawing.box_view, &asked, bounds, true) {
             return 0;
         }
-        if self.threshold == 0 || query.b.touches_near_plane() {
+        if drawing.threshold == 0 || query.b.touches_near_plane() {
             return u32::MAX;
         }
-        state.map.visible_samples(s, query.b.rect(), query.b.depth(), self.threshold)
+        state.map.visible_samples(s, query.b.rect(), query.b.depth(), drawing.threshold)
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn walk<S: Simd, D: QueryDevice>(s: S, frame: &Frame<'_>, order: Trav
             continue;
         }
         match node.group {
-            Some((group, active)) => pending.open(s, frame, group, active),
+            Some(group) => pending.open(s, frame, group),
             None => {
                 device.draw(node.b.id());
                 set.objects.push(node.b.id());
