@@ -155,8 +155,13 @@ fn table_plot_and_files_are_written() {
         let statements = value["statements"].as_array().unwrap();
         assert!(!statements.is_empty() && statements.iter().all(|s| s["holds"].is_boolean()), "{value:#}");
     }
+    let args = ["experiment", "chc", CITY, "--size", "160x128", "--frames", "2", "--repetitions", "1", "--out", out];
+    let output = homcull(&args);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("Bittner et al. 2004, table 1 claim that"), "{text}");
     let left: Vec<_> = std::fs::read_dir(&folder.0).unwrap().map(|f| f.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 12, "{left:?}");
+    assert_eq!(left.len(), 16, "{left:?}");
+    assert!(left.iter().any(|name| name.to_string_lossy().starts_with("experiment-chc-nodes-city")), "{left:?}");
 }
 
 #[test]

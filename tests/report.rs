@@ -49,6 +49,7 @@ fn frame(number: usize, cost: f64, share: f64) -> FrameRecord {
     let drawn = if share >= 1.0 { in_frustum } else { visible * (0.9 + share * 2.0) };
     let whole = in_frustum * 9e-5 * cost + 0.3;
     FrameRecord {
+        stages: Vec::new(),
         frame_ms: whole,
         stage_ms: StageTimes {
             select: whole * 0.02,

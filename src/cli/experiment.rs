@@ -1,4 +1,4 @@
-//! `homcull experiment`: the thesis's claims, one command each; table, statements, and files in `homcull-out/`.
+//! `homcull experiment`: the papers' claims, one command each; table, statements, and files in `homcull-out/`.
 
 use std::path::Path;
 
@@ -26,15 +26,9 @@ pub fn run(name: Option<&str>, scene: Option<&str>, options: &Options) -> Result
 }
 
 fn list() -> Result<()> {
-    let mut table = Table::new().left("experiment").left("thesis").left("made in").right("frames").left("shows");
+    let mut table = Table::new().left("experiment").left("source").left("made in").right("frames").left("shows");
     for e in &EXPERIMENTS {
-        table.row([
-            e.name.to_owned(),
-            e.section.to_owned(),
-            e.places.names(),
-            e.frames.to_string(),
-            e.shows.to_owned(),
-        ]);
+        table.row([e.name.to_owned(), e.source(), e.places.names(), e.frames.to_string(), e.shows.to_owned()]);
     }
     Target::Stdout.write(|out| write!(out, "{table}"))
 }
@@ -100,7 +94,7 @@ fn write(experiment: &Experiment, findings: &Findings, about: &About, out: &Path
     let file = |end: &str| out.join(format!("experiment-{}.{end}", experiment.name));
     findings.write_csv(&Target::File(file("csv")))?;
     write_json(&Target::File(file("json")), &findings.json(about.json.clone()))?;
-    let title = format!("{} (thesis {})", experiment.name, experiment.section);
+    let title = format!("{} ({})", experiment.name, experiment.source());
     plot(&file("png"), &title, &about.line, &findings.panels)
 }
 

@@ -71,7 +71,7 @@ impl<'a> Pictures<'a> {
     fn name(&self, method: usize) -> String {
         let name = self.methods[method].name();
         match self.methods.iter().filter(|m| m.name() == name).count() {
-            1 => name.to_owned(),
+            1 => name,
             _ => format!("{}-{name}", method + 1),
         }
     }

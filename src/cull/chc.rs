@@ -18,7 +18,8 @@ use super::coherent::{Frame, Pending, QueryParameters};
 use super::nearest_first::Waiting;
 use super::query_device::{Query, QueryDevice};
 use super::vfc::World;
-use crate::scene::{Child, WideHierarchy};
+use crate::geometry::Aabb;
+use crate::scene::Child;
 
 /// What a frame leaves to the next one: the states of the hierarchy's nodes, groups first, then objects.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -55,6 +56,21 @@ impl ChcMemory {
         seen.map(|(i, _)| i as u32).collect()
     }
 
+    /// The boxes of the last frame's nodes about the scene's origin: visible objects, and what was found hidden, whole groups as one.
+    pub fn classified(&self, world: &World<'_>) -> (Vec<Aabb>, Vec<Aabb>) {
+        let (mut visible, mut hidden) = (Vec::new(), Vec::new());
+        let visited = self.nodes.iter().enumerate().filter(|(_, node)| node.visited == self.frame);
+        for (i, node) in visited {
+            match i.checked_sub(self.groups) {
+                None if node.visible => {}
+                None => hidden.push(world.tree.bounds[i]),
+                Some(object) if node.visible => visible.push(world.scene.bounds[object]),
+                Some(object) => hidden.push(world.scene.bounds[object]),
+            }
+        }
+        (visible, hidden)
+    }
+
     /// Begins a frame of a scene; nodes of another one are forgotten.
     pub(super) fn begin(&mut self, world: &World<'_>) {
         let (groups, objects) = (world.tree.len(), world.scene.occluders.len());
@@ -62,10 +78,7 @@ impl ChcMemory {
             let unseen = Node { parent: NO_PARENT, visible: false, visited: 0, drawn: 0, assumed: 0 };
             *self = ChcMemory { frame: 1, groups, nodes: vec![unseen; groups + objects] };
             for group in 0..groups as u32 {
-                let mut used = world.tree.used(group);
-                while used != 0 {
-                    let child = WideHierarchy::child(world.tree.links(group)[used.trailing_zeros() as usize]);
-                    used &= used - 1;
+                for child in world.tree.children(group) {
                     let child = match child {
                         Child::Group(child) => child as usize,
                         Child::Object(id) => groups + id as usize,

@@ -7,6 +7,10 @@
 //! touches the near plane, or that reaches out of the viewport, is kept: how large it is cannot be told from the part
 //! within. No state, no allocation, a product a box.
 
+use homcull_simd::Level;
+
+use super::VisibleSet;
+use super::vfc::{VfcMemory, World};
 use crate::occlusion::{CUT, NEAR, ProjectedBox, ProjectedBoxes};
 use crate::view::View;
 
@@ -49,4 +53,23 @@ pub fn cull(boxes: ProjectedBoxes, pixels: u32, view: &View, before: Option<&Vie
     boxes.boxes.truncate(kept);
     boxes.distances.truncate(kept);
     (boxes, dropped as u32)
+}
+
+/// What a walk keeps for detail culling.
+#[derive(Default)]
+pub struct DetailMemory {
+    vfc: VfcMemory,
+    /// The view of the frame before.
+    pub before: Option<View>,
+}
+
+/// What is in the frustum and no detail, nearest first: the method by itself, or a first stage.
+pub fn keep(world: &World<'_>, level: Level, view: &View, pixels: u32, memory: &mut DetailMemory) -> VisibleSet {
+    let DetailMemory { vfc, before } = memory;
+    world.collect(level, view, true, &mut vfc.stack, &mut vfc.boxes);
+    let all = world.all_of(&vfc.boxes);
+    let (boxes, _) = cull(std::mem::take(&mut vfc.boxes), pixels, view, before.as_ref());
+    let kept = world.all_of(&boxes);
+    (vfc.boxes, *before) = (boxes, Some(*view));
+    VisibleSet { in_frustum: all.in_frustum, triangles_in_frustum: all.triangles_in_frustum, ..kept }
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use homcull_simd::Level;
 
-use super::method::{HomParameters, Selection, Update};
+use super::hom_parameters::{HomParameters, Selection, Update};
 use super::test_batch::test_batch;
 use super::vfc::World;
 use super::{Feedback, FeedbackLine, OccluderSources, VisibleSet, progressive};
@@ -262,6 +262,7 @@ pub(crate) fn select(
         let sources = selected.sources(world.scene, parameters)?;
         let Selected { view, walk, chosen, snapped, feedback, occluders, stand_ins, .. } = &mut selected;
         *snapped = sources.choose(level, view, parameters, &feedback.occluded, walk, chosen);
+        chosen.retain(|&object| world.takes_part(object));
         sources.database.draw_list(view, chosen, occluders, stand_ins);
     }
     Ok(selected)

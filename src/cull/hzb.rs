@@ -52,8 +52,8 @@ pub fn draw(
     let level = canvas.level();
     let objects = world.scene.occluders.len();
     let mut first = vec![false; if previous_first { objects } else { 0 }];
-    // Another scene has other objects: none of them is drawn first.
-    memory.previous.retain(|&object| previous_first && (object as usize) < objects);
+    // Another scene has other objects, and some may have no part in this frame: none of them is drawn first.
+    memory.previous.retain(|&o| previous_first && (o as usize) < objects && world.takes_part(o));
     for &object in &memory.previous {
         first[object as usize] = true;
     }

@@ -13,10 +13,12 @@ mod feedback;
 mod front;
 pub mod frustum;
 pub mod hom;
+mod hom_parameters;
 pub mod horizons;
 pub mod hzb;
 pub mod ideal;
 mod method;
+mod method_list;
 mod nearest_first;
 mod overlap_parameters;
 pub mod plp;
@@ -36,10 +38,9 @@ use crate::occlusion::OverlapStatistics;
 pub use fade::FadeIn;
 pub(crate) use feedback::Feedback;
 pub use feedback::FeedbackLine;
-pub use method::{
-    Database, HomParameters, HzbParameters, IdealSet, Method, MethodDescription, PIPELINE_LAG, Selection, Update,
-    methods,
-};
+pub use hom_parameters::{Database, HomParameters, PIPELINE_LAG, Selection, Update};
+pub use method::{HzbParameters, IdealSet, Method};
+pub use method_list::{MethodDescription, methods};
 pub use overlap_parameters::{Hole, OverlapParameters};
 pub use plp_cells::{PlpCells, SharedCells};
 pub use plp_parameters::{CellKind, DEFAULT_BUDGET, Heuristic, PlpParameters};
@@ -68,4 +69,27 @@ pub struct VisibleSet {
     pub waited: Waited,
     /// True when testing was given up for the frame because nothing was hidden.
     pub bypassed: bool,
+}
+
+impl VisibleSet {
+    /// What two stages did together: the objects of the second, which saw what the first left.
+    pub fn then(self, second: VisibleSet) -> VisibleSet {
+        let first_looked = self.in_frustum > 0;
+        let mut overlap = self.overlap;
+        overlap += &second.overlap;
+        VisibleSet {
+            objects: second.objects,
+            in_frustum: if first_looked { self.in_frustum } else { second.in_frustum },
+            triangles_in_frustum: if first_looked { self.triangles_in_frustum } else { second.triangles_in_frustum },
+            triangles_hidden: self.triangles_hidden + second.triangles_hidden,
+            occluder_triangles: self.occluder_triangles + second.occluder_triangles,
+            queries: self.queries + second.queries,
+            overlap,
+            waited: Waited {
+                steps: self.waited.steps + second.waited.steps,
+                nanoseconds: self.waited.nanoseconds + second.waited.nanoseconds,
+            },
+            bypassed: self.bypassed || second.bypassed,
+        }
+    }
 }

@@ -10,7 +10,7 @@ use homcull_simd::{Kernel, Simd};
 use super::VisibleSet;
 use super::frustum::CollectInFrustum;
 use super::hom::{BYPASS_BATCH, Bypass, HomFrame, Selected};
-use super::method::HomParameters;
+use super::hom_parameters::HomParameters;
 use super::nearest_first::{NearestFirst, begin, open_group};
 use super::vfc::World;
 use crate::occlusion::{

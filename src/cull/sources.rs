@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use homcull_simd::Level;
 
-use super::method::{Database, HomParameters, Selection};
+use super::hom_parameters::{Database, HomParameters, Selection};
 use crate::error::{Error, Result};
 use crate::scene::PreparedScene;
 use crate::select::{

@@ -17,6 +17,8 @@ pub struct World<'s> {
     pub tree: WideHierarchy,
     /// Triangles below each of its groups.
     pub(crate) group_triangles: Vec<u64>,
+    /// By object, whether it takes part; all do when `None`.
+    part: Option<Vec<bool>>,
 }
 
 impl<'s> World<'s> {
@@ -24,7 +26,35 @@ impl<'s> World<'s> {
     pub fn new(scene: &'s PreparedScene) -> World<'s> {
         let tree = WideHierarchy::new(&scene.bounds);
         let group_triangles = tree.sums(|object| u64::from(scene.triangles(object)));
-        World { scene, tree, group_triangles }
+        World { scene, tree, group_triangles, part: None }
+    }
+
+    /// A copy with the same hierarchy, to be restricted from frame to frame: what a stage of a composed method leaves to the next one.
+    pub fn copy(&self) -> World<'s> {
+        World {
+            scene: self.scene,
+            tree: self.tree.clone(),
+            group_triangles: self.group_triangles.clone(),
+            part: self.part.clone(),
+        }
+    }
+
+    /// Leaves those objects alone that are named, of the world of which this is a copy. Cost: a look at every object and group.
+    pub fn restrict_to(&mut self, whole: &World<'_>, objects: &[u32]) {
+        let part = self.part.get_or_insert_default();
+        part.clear();
+        part.resize(self.scene.occluders.len(), false);
+        for &object in objects {
+            part[object as usize] = true;
+        }
+        self.tree.restrict(&whole.tree, part);
+        let triangles = |o: u32| if part[o as usize] { u64::from(self.scene.triangles(o)) } else { 0 };
+        self.group_triangles = self.tree.sums(triangles);
+    }
+
+    /// Whether an object takes part.
+    pub fn takes_part(&self, object: u32) -> bool {
+        self.part.as_ref().is_none_or(|part| part[object as usize])
     }
 
     /// The view as the scene's boxes see it.

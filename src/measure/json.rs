@@ -8,7 +8,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::report::{FrameRatios, MethodRun, WalkReport};
+use super::report::{FrameRatios, MeanStage, MethodRun, WalkReport};
 use super::report_target::Target;
 use crate::error::Result;
 
@@ -73,11 +73,27 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
     if let Some(name) = &run.name {
         value["name"] = json!(name);
     }
+    let stages: Vec<Value> = run.stages().iter().map(stage).collect();
+    if !stages.is_empty() {
+        value["stages"] = json!(stages);
+    }
     if let (false, Some(fields)) = (run.overlap.is_empty(), value.as_object_mut()) {
         let tests = json!({"passed_at_level": run.overlap.passed, "failed_at_level": run.overlap.failed});
         fields.insert("overlap_tests".into(), tests);
     }
     value
+}
+
+/// A stage of a composed method.
+fn stage(stage: &MeanStage) -> Value {
+    json!({
+        "method": stage.method,
+        "objects_left": stage.objects_left,
+        "triangles_left": stage.triangles_left,
+        "queries": stage.queries,
+        "occluder_triangles": stage.occluder_triangles,
+        "ms": stage.ms,
+    })
 }
 
 /// From view to picture; in turn, the frame's time.

@@ -47,6 +47,35 @@ pub struct PipelineTimes {
     pub draw_waiting: f64,
 }
 
+/// What one stage of a composed method left, and what it cost.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StageCounts {
+    /// The stage's method.
+    pub method: String,
+    /// Objects that it left to the next stage, or to be drawn.
+    pub objects_left: u32,
+    /// Their triangles.
+    pub triangles_left: u64,
+    /// Occlusion tests of boxes.
+    pub queries: u64,
+    /// Triangles drawn as occluders.
+    pub occluder_triangles: u64,
+    /// Its time, in milliseconds, with the draw of a stage that draws while it culls.
+    pub ms: f64,
+}
+
+/// What a stage of a composed method left and cost on the mean of frames; as [`StageCounts`].
+#[derive(Debug, Clone, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct MeanStage {
+    pub method: String,
+    pub objects_left: f64,
+    pub triangles_left: f64,
+    pub queries: f64,
+    pub occluder_triangles: f64,
+    pub ms: f64,
+}
+
 /// What one frame of one method measured.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameRecord {
@@ -54,6 +83,8 @@ pub struct FrameRecord {
     pub frame_ms: f64,
     /// Its parts, in milliseconds; they need not add up to the whole.
     pub stage_ms: StageTimes,
+    /// Of a composed method, its stages in order; else none.
+    pub stages: Vec<StageCounts>,
     /// What the pipeline adds; `None` for a frame drawn in turn.
     pub pipeline_ms: Option<PipelineTimes>,
     /// Objects that view-frustum culling leaves.
@@ -242,6 +273,28 @@ impl MethodRun {
             cull: stage(|stages| stages.cull),
             draw: stage(|stages| stages.draw),
         }
+    }
+
+    /// Its frame times over those of another run of the same walk.
+    pub fn time_over(&self, other: &MethodRun) -> Option<FrameRatios> {
+        ratios(&self.times_ms(), &other.times_ms())
+    }
+
+    /// The stages of a composed method, on the mean of frames; none of another one.
+    pub fn stages(&self) -> Vec<MeanStage> {
+        let stages = self.frames.first().map_or(0, |frame| frame.stages.len());
+        let stage = |i: usize| {
+            let mean = |of: fn(&StageCounts) -> f64| self.mean_of(|frame| frame.stages.get(i).map_or(0.0, of));
+            MeanStage {
+                method: self.frames[0].stages[i].method.clone(),
+                objects_left: mean(|stage| stage.objects_left.into()),
+                triangles_left: mean(|stage| stage.triangles_left as f64),
+                queries: mean(|stage| stage.queries as f64),
+                occluder_triangles: mean(|stage| stage.occluder_triangles as f64),
+                ms: mean(|stage| stage.ms),
+            }
+        };
+        (0..stages).map(stage).collect()
     }
 
     /// The means per frame of the counts, for a view of so many `pixels`.

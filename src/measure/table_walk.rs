@@ -41,7 +41,28 @@ pub fn walk(report: &WalkReport) -> String {
         table.row(row(report, run, name, &shown));
     }
     add_notes(report, &mut table);
-    format!("{}\n{table}", heading(report))
+    let stages: String =
+        report.runs.iter().zip(report.labels()).filter_map(|(run, label)| stages(run, &label)).collect();
+    format!("{}\n{table}{stages}", heading(report))
+}
+
+/// Of a composed method: what each stage left to the next one, and what it cost.
+fn stages(run: &MethodRun, label: &str) -> Option<String> {
+    let stages = run.stages();
+    if stages.is_empty() {
+        return None;
+    }
+    let mut table = Table::new()
+        .left("stage")
+        .group("left", &["objects", "tris"])
+        .group("box", &["tests"])
+        .group("occluder", &["tris"]);
+    table = table.group("stage", &["ms"]);
+    for stage in stages {
+        let counts = [stage.objects_left, stage.triangles_left, stage.queries, stage.occluder_triangles].map(count);
+        table.row(std::iter::once(stage.method).chain(counts).chain([digits3(stage.ms)]));
+    }
+    Some(format!("\n{label}, by stages:\n{table}"))
 }
 
 /// What was walked, and on what: `city: 5,210 objects, 312,524 triangles; 1280x1024, 120 frames; ...`.

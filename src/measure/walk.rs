@@ -11,7 +11,7 @@ use super::clock::clock_ghz;
 use super::memory::peak_memory_bytes;
 use super::report::{FrameRecord, MethodRun, WalkReport};
 use super::runner::Runner;
-pub use super::runner::applies;
+pub use super::stage::applies;
 use super::statistics::median;
 use super::walk_pipeline;
 use crate::cull::hom::HomFrame;
@@ -107,10 +107,10 @@ pub fn walk(
 }
 
 /// Walks with methods whose frames do not overlap, side by side.
-fn walk_in_turn(
-    world: &World<'_>,
+fn walk_in_turn<'s>(
+    world: &World<'s>,
     views: &[View],
-    runners: &mut [Runner<'_>],
+    runners: &mut [Runner<'_, 's>],
     exact: &mut Exact,
     options: &WalkOptions<'_>,
     clocks: &mut Vec<f64>,
@@ -220,6 +220,7 @@ impl Tally {
         *record = FrameRecord {
             frame_ms: record.frame_ms,
             stage_ms: record.stage_ms,
+            stages: std::mem::take(&mut record.stages),
             pipeline_ms: record.pipeline_ms,
             objects_in_frustum: exact.in_frustum.len() as u32,
             objects_drawn: drawn.len() as u32,
@@ -242,7 +243,7 @@ impl Tally {
     fn finish(self, method: &Method) -> MethodRun {
         MethodRun {
             name: None,
-            method: method.name().to_owned(),
+            method: method.name(),
             parameters: method.parameters(),
             frames: self.frames,
             image_hash: self.image_hash.value(),

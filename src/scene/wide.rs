@@ -87,15 +87,39 @@ impl WideHierarchy {
         let mut sums = vec![0; self.groups.len()];
         // Children come after their parents.
         for group in (0..self.groups.len()).rev() {
-            let links = self.links[group].iter().filter(|&&link| link != NOTHING);
-            sums[group] = links
-                .map(|&link| match WideHierarchy::child(link) {
+            sums[group] = (self.children(group as u32))
+                .map(|child| match child {
                     Child::Object(id) => of(id),
                     Child::Group(child) => sums[child as usize],
                 })
                 .sum();
         }
         sums
+    }
+
+    /// All children of a group, those included that take no part at present.
+    pub(crate) fn children(&self, group: u32) -> impl Iterator<Item = Child> + '_ {
+        let links = self.links[group as usize].iter().filter(|&&link| link != NOTHING);
+        links.map(|&link| WideHierarchy::child(link))
+    }
+
+    /// Leaves those objects of `whole`, of which this is a copy, that take part; groups without any lead nowhere.
+    pub(crate) fn restrict(&mut self, whole: &WideHierarchy, takes_part: &[bool]) {
+        // Children come after their parents.
+        for group in (0..self.used.len()).rev() {
+            let mut used = whole.used[group];
+            for lane in 0..16 {
+                let part = match WideHierarchy::child(whole.links[group][lane]) {
+                    _ if used >> lane & 1 == 0 => true,
+                    Child::Object(id) => takes_part[id as usize],
+                    Child::Group(child) => self.used[child as usize] != 0,
+                };
+                used &= !(u16::from(!part) << lane);
+            }
+            self.used[group] = used;
+        }
+        self.unbounded.clear();
+        self.unbounded.extend(whole.unbounded.iter().filter(|&&id| takes_part[id as usize]));
     }
 
     /// The raw links of a group: what [`WideHierarchy::child`] reads.

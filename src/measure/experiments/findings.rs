@@ -232,6 +232,11 @@ impl Cell {
 impl fmt::Display for Statement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = if self.holds { "Borne out" } else { "NOT borne out" };
-        write!(f, "The thesis ({}) claims that {}. {verdict}: here {}.", self.section, self.claim, self.found)
+        let source = if self.section.starts_with(|c: char| c.is_ascii_digit()) {
+            format!("The thesis ({}) claims", self.section)
+        } else {
+            format!("{} claim", self.section)
+        };
+        write!(f, "{source} that {}. {verdict}: here {}.", self.claim, self.found)
     }
 }

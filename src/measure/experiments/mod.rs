@@ -1,11 +1,13 @@
-//! The thesis's claims as experiments: each a measurement over chosen scenes, with a table, a plot, and a statement that is
-//! computed from its figures (Zhang 1998; each experiment names its section).
+//! The papers' claims as experiments: each a measurement over chosen scenes, with a table, a plot, and a statement that is
+//! computed from its figures (each experiment names the section, of Zhang 1998 unless it says otherwise).
 //!
 //! An experiment is a line of [`EXPERIMENTS`] and a function from places to [`Findings`]; what it walks with are methods as the
 //! command line writes them, so that every row can be repeated by `homcull walk`. Counts and errors are exact and the same on
 //! every machine; milliseconds are not, and only experiments about time use them.
 
 mod aggressive;
+mod chc;
+mod chc_nodes;
 mod deb_resolution;
 mod distance_fails;
 mod figure_7_3;
@@ -40,7 +42,7 @@ pub use plot::plot;
 pub struct Experiment {
     /// Its name on the command line.
     pub name: &'static str,
-    /// Where the thesis makes the claim.
+    /// Where the claim is made: a section of the thesis, or a paper and its section.
     pub section: &'static str,
     /// What it shows, in a line.
     pub shows: &'static str,
@@ -61,8 +63,8 @@ pub enum Places {
     Built(&'static str, fn() -> Generated),
 }
 
-/// All experiments, in the order of the thesis.
-pub static EXPERIMENTS: [Experiment; 10] = [
+/// All experiments, those of the thesis in its order, then the other papers'.
+pub static EXPERIMENTS: [Experiment; 11] = [
     map_resolution::EXPERIMENT,
     no_occluders::EXPERIMENT,
     deb_resolution::EXPERIMENT,
@@ -73,6 +75,7 @@ pub static EXPERIMENTS: [Experiment; 10] = [
     threshold::EXPERIMENT,
     aggressive::EXPERIMENT,
     pipeline::EXPERIMENT,
+    chc::EXPERIMENT,
 ];
 
 /// The plant at a size that loads in a second.
@@ -115,6 +118,11 @@ pub enum Progress {
 }
 
 impl Experiment {
+    /// The paper and its section.
+    pub fn source(&self) -> String {
+        source(self.section)
+    }
+
     /// The experiment of that name.
     ///
     /// # Errors
@@ -125,6 +133,11 @@ impl Experiment {
             Error::parameter("experiment", name, format!("is unknown; known are {}", names.join(", ")))
         })
     }
+}
+
+/// A section of the thesis is a number alone.
+fn source(section: &str) -> String {
+    if section.starts_with(|c: char| c.is_ascii_digit()) { format!("thesis {section}") } else { section.to_owned() }
 }
 
 impl Places {

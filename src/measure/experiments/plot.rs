@@ -59,10 +59,12 @@ fn draw_panel(area: &Area<'_>, panel: &Panel, pens: &[(&str, Pen)], across: usiz
     let margin = (right - left).max(1e-9) * 0.03;
     let greatest = all().fold(0.0f64, |greatest, p| greatest.max(p.1));
     let top = if greatest > 0.0 { greatest * 1.06 } else { 1.0 };
+    // Below what doublings are counted from there is room only where something is.
+    let bottom = all().fold(0.0f64, |least, p| least.min(p.1)).floor();
     let ticks = (LABELS / across).max(6);
     let (x_tick, y_tick) = (|at| label(&panel.x, at), |at| label(&panel.y, at));
     let x = plot_chart::Axis { name: &panel.x.name, range: left - margin..right + margin, ticks, tick: &x_tick };
-    let y = plot_chart::Axis { name: &panel.y.name, range: 0.0..top, ticks: 9, tick: &y_tick };
+    let y = plot_chart::Axis { name: &panel.y.name, range: bottom..top, ticks: 9, tick: &y_tick };
     let mut chart = chart(&area, x, y)?;
     for (i, (curve, points)) in panel.curves.iter().zip(placed).enumerate() {
         let Some((_, pen)) = pens.iter().find(|(name, _)| *name == curve.name) else { continue };

@@ -45,12 +45,19 @@ pub struct Generator {
 /// Most triangles that a generator makes: some 4 GB of scene.
 const MOST_TRIANGLES: u64 = 100_000_000;
 
-static GENERATORS: [Generator; 7] = [
+static GENERATORS: [Generator; 8] = [
     Generator {
         name: "city",
         about: "twelve districts of streets, blocks and high-rises; a walk in the streets, above the roofs, and looking outward",
         seed: 1,
         triangles: 312_524,
+        build: city::build,
+    },
+    Generator {
+        name: "chc-city",
+        about: "the city at the size of Bittner et al. 2004",
+        seed: 1,
+        triangles: 1_036_146,
         build: city::build,
     },
     Generator {
