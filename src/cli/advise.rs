@@ -11,6 +11,8 @@ use crate::measure::json::write_json;
 use crate::measure::report::{MethodRun, WalkReport};
 use crate::measure::report_number::{digits3, grouped};
 use crate::measure::table::Table;
+use crate::measure::walk::applies;
+use crate::scene::PreparedScene;
 use serde_json::json;
 
 /// What is tried: a method and what it is for.
@@ -22,6 +24,8 @@ const TRIED: [(&str, &str); 6] = [
     ("chc:latency=20", "answers come late, as from a GPU"),
     ("ideal", "what any method could gain at most"),
 ];
+/// Stages that may stand in front of the first of them.
+const IN_FRONT: [&str; 3] = ["portals+hzb", "horizons+hzb", "detail+hzb"];
 /// Frames of the walk, and times each is drawn.
 const FRAMES: u32 = 24;
 const REPETITIONS: u32 = 3;
@@ -48,12 +52,19 @@ pub fn run(scene: &str, options: &Options) -> Result<()> {
         repetitions: options.repetitions.or(Some(REPETITIONS)),
         ..options.clone()
     };
-    let names: Vec<&str> = ["vfc"].into_iter().chain(TRIED.iter().map(|t| t.0)).collect();
-    let methods = names.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let setting = setting::load(scene, &options, false)?;
+    let prepared = PreparedScene::new(&setting.scene)?;
+    let mut names: Vec<&str> = ["vfc"].into_iter().chain(TRIED.iter().map(|t| t.0)).collect();
+    for name in IN_FRONT {
+        if applies(&Method::parse(name)?, &prepared).is_ok() {
+            names.push(name);
+        }
+    }
+    let methods = names.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
     let report = walk::walk_setting(&setting, &methods, &options, None)?;
     let accounts: Vec<Account> = report.runs.iter().map(|run| account(&report, run)).collect();
-    let advice = advice(&report, &accounts);
+    let mut advice = advice(&report, &accounts[..=TRIED.len()]);
+    advice.extend(stages_in_front(&report, &accounts));
     if let Some(target) = &options.json {
         let rows = names.iter().zip(&accounts).zip(&report.runs).map(|((name, a), run)| {
             json!({"method": name, "triangles_saved": a.saved, "occluder_triangles": a.spent, "tests": a.tests, "ms": a.ms,
@@ -85,7 +96,6 @@ fn account(report: &WalkReport, run: &MethodRun) -> Account {
 }
 
 fn print_table(report: &WalkReport, accounts: &[Account]) {
-    let rounded = |v: f64| grouped(v.max(0.0).round() as u64);
     say!(
         "{}: {} objects, {} triangles; {} frames\n",
         report.scene_name,
@@ -100,7 +110,10 @@ fn print_table(report: &WalkReport, accounts: &[Account]) {
         .right("tests")
         .right("ms a frame")
         .left("when");
-    let when = |i: usize| if i == 0 { "frustum culling alone: the baseline" } else { TRIED[i - 1].1 };
+    let when = |i: usize| match i.checked_sub(1) {
+        None => "frustum culling alone: the baseline",
+        Some(i) => TRIED.get(i).map_or("a stage in front of it", |tried| tried.1),
+    };
     for (i, (run, a)) in report.runs.iter().zip(accounts).enumerate() {
         table.row([
             run.method.clone(),
@@ -140,11 +153,39 @@ fn advice(report: &WalkReport, accounts: &[Account]) -> Vec<String> {
     }));
     out.extend(report.runs.iter().filter_map(|run| {
         let bypassed = run.frames.iter().filter(|f| f.bypassed).count();
-        let often = 2 * bypassed > run.frames.len();
+        let often = run.stages().is_empty() && 2 * bypassed > run.frames.len();
         often.then(|| {
             format!("{} gave up in {bypassed} of {} frames: they hid too little", run.method, run.frames.len())
         })
     }));
+    out
+}
+
+/// A count of triangles or tests.
+fn rounded(count: f64) -> String {
+    grouped(count.round() as u64)
+}
+
+/// What each stage in front of `hzb` saves it, in tests.
+fn stages_in_front(report: &WalkReport, accounts: &[Account]) -> Vec<String> {
+    let alone = &accounts[1];
+    let mut out = Vec::new();
+    for (run, account) in report.runs.iter().zip(accounts).skip(1 + TRIED.len()) {
+        let stages = run.stages();
+        let (Some(first), Some(last)) = (stages.first(), stages.last()) else { continue };
+        let wrong = run.wrong_pixels_percent(report.pixels()).map_or(0.0, |w| w.mean);
+        let does = format!(
+            "{} before hzb leaves it {} of {} tests, with {} tests of its own; a frame takes {} times the time, {} percent of the pixels are wrong",
+            first.method,
+            rounded(last.queries),
+            rounded(alone.tests),
+            rounded(first.queries),
+            digits3(account.ms / alone.ms),
+            digits3(wrong),
+        );
+        let pays = last.queries <= (1.0 - WORTH) * alone.tests;
+        out.push(if pays { does } else { format!("leave {} out: {does}", first.method) });
+    }
     out
 }
 

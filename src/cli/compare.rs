@@ -45,11 +45,13 @@ static EXACT: Sweep = Sweep {
         "cplp",
         "portals",
         "horizons",
+        "portals+hzb",
+        "horizons+hzb",
         "ideal",
     ],
 };
 /// Knobs that trade error for time.
-static KNOBS: [Sweep; 6] = [
+static KNOBS: [Sweep; 7] = [
     Sweep { name: "hom, opacity threshold", method: "hom:threshold=", values: &["0.95", "0.85", "0.7", "0.5"] },
     Sweep { name: "hom, LOD occluders, pixels", method: "hom:occluders=lod,lod=", values: &["4", "16", "64"] },
     Sweep {
@@ -59,6 +61,7 @@ static KNOBS: [Sweep; 6] = [
     },
     Sweep { name: "chc, pixels", method: "chc:pixels=", values: &["5", "25", "100", "400"] },
     Sweep { name: "chc of 25 pixels, frames", method: "chc:pixels=25,assume-visible=", values: &["2", "8"] },
+    Sweep { name: "detail before hzb, pixels", method: "detail:pixels=", values: &["4+hzb", "16+hzb", "64+hzb"] },
     Sweep { name: "plp, triangles", method: "plp:budget=", values: &["10000", "35000", "140000"] },
 ];
 

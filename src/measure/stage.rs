@@ -205,6 +205,7 @@ pub fn applies(method: &Method, scene: &PreparedScene) -> Result<()> {
     match method {
         Method::Portals(_) => PortalScene::new(scene).map(drop),
         Method::Horizons => prisms_of(scene).map(drop),
+        Method::Composed(stages) => stages.iter().try_for_each(|stage| applies(stage, scene)),
         _ => Ok(()),
     }
 }

@@ -9,35 +9,44 @@ use crate::cull::coherent::{self, QueryParameters};
 use crate::cull::vfc::World;
 use crate::draw::Canvas;
 use crate::error::Result;
+use crate::geometry::Aabb;
 use crate::measure::plot_canvas::paint;
 use crate::measure::plot_chart::{self, INK, Pen, SIZE, chart, head};
 use crate::measure::report_number::tick;
 
-/// Frames before the one that is shown: what CHC knows then has settled.
-const BEFORE: usize = 2;
+/// A node's footprint, and whether it is visible.
+type Footprint = ([(f64, f64); 2], bool);
 
-/// Writes the picture of the middle of a place's walk to `experiment-chc-nodes-SCENE.png`.
+/// Writes the picture of the frame of a place's walk with the most hidden nodes to `experiment-chc-nodes-SCENE.png`.
 ///
 /// # Errors
 /// Those of a frame of chc, and [`crate::Error::File`].
 pub(super) fn picture(bench: &Bench<'_>, place: &Place) -> Result<()> {
     let world = World::new(&place.prepared);
-    let middle = place.views.len() / 2;
-    let mut canvas = Canvas::new(place.views[middle].viewport(), bench.level)?;
+    let Some(&all) = world.tree.bounds.first() else { return Ok(()) };
+    let mut canvas = Canvas::new(place.views[0].viewport(), bench.level)?;
     let (mut memory, parameters) = (ChcMemory::default(), QueryParameters::new(true));
-    for view in &place.views[middle.saturating_sub(BEFORE)..=middle] {
+    let (mut shown, mut visible, mut hidden) = (0, Vec::new(), Vec::new());
+    for (frame, view) in place.views.iter().enumerate() {
         coherent::draw(&world, view, &parameters, &mut memory, &mut canvas)?;
+        let classified = memory.classified(&world);
+        if classified.1.len() > hidden.len() || frame == 0 {
+            shown = frame;
+            (visible, hidden) = classified;
+        }
     }
-    let (visible, mut hidden) = memory.classified(&world);
-    let rect = |b: &crate::geometry::Aabb| [(b.min.x.into(), b.min.z.into()), (b.max.x.into(), b.max.z.into())];
-    let [(left, back), (right, front)]: [(f64, f64); 2] = rect(&world.tree.bounds[0]);
+    let footprint = |b: &Aabb| [(b.min.x.into(), b.min.z.into()), (b.max.x.into(), b.max.z.into())];
+    let [(left, back), (right, front)]: [(f64, f64); 2] = footprint(&all);
+    let nodes = visible.iter().map(|b| (footprint(b), true)).chain(hidden.iter().map(|b| (footprint(b), false)));
+    let mut nodes: Vec<Footprint> = nodes.collect();
     // The largest first: smaller ones lie on top.
-    hidden.sort_by(|a, b| (b.size().x * b.size().z).total_cmp(&(a.size().x * a.size().z)));
-    let eye = place.views[middle].eye() - place.prepared.origin;
+    let area = |&([(x0, z0), (x1, z1)], _): &Footprint| (x1 - x0) * (z1 - z0);
+    nodes.sort_by(|a, b| area(b).total_cmp(&area(a)));
+    let eye = place.views[shown].eye() - place.prepared.origin;
     let name: String = place.scene.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
     let title = format!("Nodes as chc left them, from above: {}", place.scene.name);
     let line = format!(
-        "frame {middle} of {}: {} objects visible, {} nodes and objects found hidden; the eye in black",
+        "frame {shown} of {}: {} objects visible, {} nodes and objects found hidden; the eye in black",
         place.views.len(),
         visible.len(),
         hidden.len()
@@ -55,10 +64,13 @@ pub(super) fn picture(bench: &Bench<'_>, place: &Place) -> Result<()> {
         let x = plot_chart::Axis { name: "x", range: span(left, right, width), ticks: 10, tick: &tick };
         let y = plot_chart::Axis { name: "z", range: span(back, front, height), ticks: 8, tick: &tick };
         let mut chart = chart(&area, x, y)?;
-        let faint = culled.colour().mix(0.12).filled();
-        chart.draw_series(hidden.iter().map(|b| Rectangle::new(rect(b), faint)))?;
-        chart.draw_series(hidden.iter().map(|b| Rectangle::new(rect(b), culled.colour().stroke_width(1))))?;
-        chart.draw_series(visible.iter().map(|b| Rectangle::new(rect(b), drawn.colour().filled())))?;
+        for (corners, visible) in nodes {
+            let (pen, share) = if visible { (drawn, 0.3) } else { (culled, 0.1) };
+            chart.draw_series([
+                Rectangle::new(corners, pen.colour().mix(share).filled()),
+                Rectangle::new(corners, pen.colour().stroke_width(1)),
+            ])?;
+        }
         chart.draw_series([Circle::new((eye.x, eye.z), 9, INK.filled())])?;
         Ok(())
     })
