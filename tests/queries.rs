@@ -4,18 +4,21 @@
 
 mod oracle;
 
+use glam::{DVec3, Vec3};
 use homcull::cull::VisibleSet;
 use homcull::cull::chc::ChcMemory;
-use homcull::cull::coherent::{self, Latency, QueryParameters, Traversal};
+use homcull::cull::coherent::{self, AssumeVisible, Latency, QueryParameters, Traversal};
 use homcull::cull::hzb::{self, HzbMemory};
 use homcull::cull::vfc::{self, VfcMemory, World};
 use homcull::draw::{Canvas, DrawJob};
 use homcull::occlusion::{OcclusionBuffer, ProjectedBoxes};
+use homcull::raster::Facing;
 use homcull::scene::PreparedScene;
-use homcull::view::View;
+use homcull::view::{Camera, View};
 use homcull::workers::Workers;
 use homcull_simd::Level;
 use oracle::random::Random;
+use oracle::scenes::{Builder, viewport};
 use oracle::state::for_levels;
 use oracle::verdicts::world;
 
@@ -41,9 +44,12 @@ fn settings() -> Vec<QueryParameters> {
         chc(0),
         chc(4),
         QueryParameters { order: Traversal::Depth, ..chc(2) },
-        QueryParameters { assume_visible: 2, ..chc(9) },
+        QueryParameters { assume_visible: AssumeVisible::Frames(2), ..chc(9) },
+        QueryParameters { assume_visible: AssumeVisible::Frames(6), spread: true, ..chc(0) },
+        QueryParameters { assume_visible: AssumeVisible::Adaptive, spread: true, idle: true, ..chc(20) },
         QueryParameters { speculate: true, ..chc(1000) },
         QueryParameters { latency: Latency::Thread, speculate: true, ..chc(0) },
+        QueryParameters { latency: Latency::Thread, idle: true, ..chc(0) },
     ]
 }
 
@@ -124,6 +130,145 @@ fn standing_still_chc_finds_what_stop_and_wait_finds() {
         }
     }
     assert!(smaller > 60, "only {smaller} of 120 walks asked less than stop-and-wait");
+}
+
+/// A street between two rows of houses with things behind them, and a walk along it that turns.
+fn street(frames: usize) -> (PreparedScene, Vec<View>) {
+    let (mut b, mut r) = (Builder::new(), Random::new(7));
+    for i in 0..80 {
+        let (side, z) = (if i % 2 == 0 { -1.0 } else { 1.0 }, -3.0 * f64::from(i / 2));
+        let behind = i % 4 > 1;
+        let size = if behind { Vec3::splat(r.float(0.3, 2.0)) } else { Vec3::new(2.0, r.float(2.0, 6.0), 2.6) };
+        let x = side * if behind { r.range(8.0, 14.0) } else { 4.0 };
+        b.cuboid(-size * 0.5, size * 0.5, Facing::Both).position = DVec3::new(x, 1.0, z);
+    }
+    let view = |i: usize| {
+        let t = i as f64 / frames as f64;
+        let eye = DVec3::new(0.0, 1.5, 4.0 - 60.0 * t);
+        let target = eye + DVec3::new(2.0 * libm::sin(9.0 * t), 0.0, -1.0);
+        let camera = Camera { eye, target, up: DVec3::Y, fov_y_deg: 60.0, near: 0.1, far: None };
+        camera.view(viewport(128, 96)).unwrap()
+    };
+    (b.prepared(), (0..frames).map(view).collect())
+}
+
+/// What a walk drew, asked and waited for; every picture is that of everything.
+#[track_caller]
+fn walked(scene: &PreparedScene, views: &[View], parameters: &QueryParameters) -> Vec<VisibleSet> {
+    let (world, mut memory) = (World::new(scene), ChcMemory::default());
+    let frame = |view| queried(Level::best(), view, &world, parameters, &mut memory, "on the way");
+    views.iter().map(frame).collect()
+}
+
+fn queries(sets: &[VisibleSet]) -> Vec<u64> {
+    sets.iter().map(|set| set.queries).collect()
+}
+
+#[test]
+fn on_a_walk_assumptions_save_queries_and_idle_queries_save_waits() {
+    let (scene, views) = street(60);
+    let total = |parameters: &QueryParameters| {
+        let sets = walked(&scene, &views, parameters);
+        let drawn: usize = sets.iter().map(|set| set.objects.len()).sum();
+        (queries(&sets).iter().sum::<u64>(), sets.iter().map(|set| set.waited.steps).sum::<u64>(), drawn)
+    };
+    let assumed = |assume_visible| total(&QueryParameters { assume_visible, ..chc(0) });
+    let (still, none) = (total(&QueryParameters::new(false)), total(&chc(0)));
+    let (two, adaptive) = (assumed(AssumeVisible::Frames(2)), assumed(AssumeVisible::Adaptive));
+    assert!(none.0 < still.0 && two.0 < none.0 && adaptive.0 < none.0, "{still:?} {none:?} {two:?} {adaptive:?}");
+    assert!(still.2 <= none.2 && none.2 <= two.2 && none.2 <= adaptive.2, "{still:?} {none:?} {two:?} {adaptive:?}");
+
+    let stalled = total(&QueryParameters { latency: Latency::Steps(20), ..QueryParameters::new(false) });
+    let (late, idle) = (total(&chc(20)), total(&QueryParameters { idle: true, ..chc(20) }));
+    assert_eq!(stalled.1, 20 * stalled.0, "stop-and-wait waits for every answer");
+    assert!(late.1 * 10 < stalled.1 && idle.1 * 5 < late.1 * 4, "steps waited: {stalled:?}, {late:?}, {idle:?}");
+    assert_eq!(total(&QueryParameters { speculate: true, ..chc(20) }).1, 0, "who speculates waits for nothing");
+}
+
+/// Rows of twenty cubes with an edge of 1, all in view from afar; and the view from somewhat to the right.
+fn rows_of_cubes(rows: u32) -> (PreparedScene, impl Fn(f64) -> View) {
+    let mut b = Builder::new();
+    for i in 0..20 * rows {
+        let at = DVec3::new(2.0 * f64::from(i % 20), 2.0 * f64::from(i / 20), 0.0);
+        b.cuboid(Vec3::splat(-0.5), Vec3::splat(0.5), Facing::Both).position = at;
+    }
+    let from = |right: f64| {
+        let eye = DVec3::new(19.0 + right, 9.0, 50.0);
+        let camera = Camera { eye, target: eye - DVec3::Z, up: DVec3::Y, fov_y_deg: 60.0, near: 0.1, far: None };
+        camera.view(viewport(160, 120)).unwrap()
+    };
+    (b.prepared(), from)
+}
+
+/// Frames, from 1, in which all cubes are asked about and nothing else; in all others but the first, nothing is.
+#[track_caller]
+fn due(counts: &[u64], cubes: u64) -> Vec<usize> {
+    let all: Vec<usize> = (1..).zip(counts).skip(1).filter(|c| *c.1 > 0).map(|c| c.0).collect();
+    assert!(all.iter().all(|&frame| counts[frame - 1] == cubes), "{counts:?}");
+    all
+}
+
+#[test]
+fn where_the_eye_stays_an_adaptive_assumption_doubles_up_to_ten_frames() {
+    let (scene, from) = rows_of_cubes(1);
+    let adaptive = QueryParameters { assume_visible: AssumeVisible::Adaptive, ..chc(0) };
+    let counts = queries(&walked(&scene, &vec![from(0.0); 45], &adaptive));
+    assert_eq!(due(&counts, 20), [3, 6, 11, 20, 31, 42], "1, 2, 4, 8, 10, 10 frames in between");
+}
+
+#[test]
+fn an_adaptive_assumption_ends_when_the_eye_has_moved_by_the_leafs_diagonal() {
+    let (scene, from) = rows_of_cubes(1);
+    let adaptive = QueryParameters { assume_visible: AssumeVisible::Adaptive, ..chc(0) };
+    let moving = |step: f64| {
+        // To and fro, so that all cubes stay in view.
+        let views: Vec<View> = (0..30).map(|i| from(if i % 2 == 0 { 0.0 } else { step })).collect();
+        due(&queries(&walked(&scene, &views, &adaptive)), 20)
+    };
+    let diagonal = 3f64.sqrt();
+    assert_eq!(moving(diagonal * 1.01), (2..=30).collect::<Vec<_>>(), "too fast to assume anything");
+    // Two steps are less than a diagonal, three are more.
+    assert_eq!(moving(diagonal * 0.4), (3..=30).step_by(3).collect::<Vec<_>>());
+    assert_eq!(moving(diagonal * 0.001), [3, 6, 11, 20], "slowly: as if standing");
+}
+
+#[test]
+fn spread_assumptions_come_due_at_different_times_and_as_often() {
+    let cubes = 200;
+    let (scene, from) = rows_of_cubes(10);
+    let counts = |spread| {
+        let nine = QueryParameters { assume_visible: AssumeVisible::Frames(9), spread, ..chc(0) };
+        queries(&walked(&scene, &vec![from(0.0); 41], &nine))
+    };
+    let (together, spread) = (counts(false), counts(true));
+    assert_eq!(due(&together, cubes), [11, 21, 31, 41]);
+    assert_eq!(spread, counts(true), "the same always");
+    // Each cube within ten frames of the first, and from then on every tenth.
+    assert_eq!(spread[1..11].iter().sum::<u64>(), cubes);
+    assert_eq!(spread[1..11], spread[11..21]);
+    assert_eq!(spread[1..11], spread[21..31]);
+    let worst = spread[1..].iter().max().unwrap();
+    assert!(worst * 5 < cubes, "{spread:?}");
+}
+
+#[test]
+fn standing_still_idle_queries_find_all_that_shows_and_no_more_than_stop_and_wait() {
+    let mut equal = 0;
+    for (round, view, scene) in worlds(40, 120) {
+        let (world, what) = (World::new(&scene), format!("round {round}"));
+        let mut none = ChcMemory::default();
+        let still = queried(Level::best(), &view, &world, &QueryParameters::new(false), &mut none, &what).objects;
+        for latency in [0, 7] {
+            let (idle, mut memory) = (QueryParameters { idle: true, ..chc(latency) }, ChcMemory::default());
+            for _ in 0..4 {
+                queried(Level::best(), &view, &world, &idle, &mut memory, &what);
+            }
+            let found = memory.visible_objects();
+            assert!(found.iter().all(|o| still.contains(o)), "{what}: {found:?}, {still:?}");
+            equal += usize::from(found.len() == still.len());
+        }
+    }
+    assert!(equal > 40, "only {equal} of 80 are equal");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What stop-and-wait and coherent hierarchical culling share: their parameters, and a frame of either on a query device.
+//! What stop-and-wait and coherent hierarchical culling share: a frame of either on a query device.
 //!
 //! Both draw while they cull, on one device that owns the picture. The set they give is what was drawn.
 
@@ -8,106 +8,16 @@ use super::VisibleSet;
 use super::chc::{self, ChcMemory};
 use super::nearest_first::{NearestFirst, Waiting, begin, open_group};
 use super::query_device::{Drawing, QueryDevice, SteppedDevice, Waited};
+pub use super::query_parameters::{AssumeVisible, Latency, QueryParameters, Traversal};
 use super::query_thread;
 use super::stop_and_wait;
 use super::vfc::World;
 use crate::draw::{BandDraw, Canvas, clear, shade};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::occlusion::{BoxView, PlacedRows, ProjectedBoxes};
 use crate::raster::{Engine, RasterCounts};
 use crate::scene::WideHierarchy;
 use crate::view::View;
-
-/// When a query is answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Latency {
-    /// So many commands later: the same always.
-    Steps(u32),
-    /// When a thread of the device's own is done with it.
-    Thread,
-}
-
-/// In which order nodes are visited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Traversal {
-    /// Depth first, the nearest child first.
-    Depth,
-    /// By distance, whatever their parents (section 4, *priority queue*).
-    Priority,
-}
-
-/// Parameters of `stop-and-wait` and `chc`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct QueryParameters {
-    /// False for stop-and-wait.
-    pub coherent: bool,
-    /// When a query is answered.
-    pub latency: Latency,
-    /// Frames for which a visible leaf is assumed to stay visible (t_av).
-    pub assume_visible: u32,
-    /// Samples up to which a node counts as hidden (n_vp); above 0 it is approximate.
-    pub pixels: u32,
-    /// The order of the walk.
-    pub order: Traversal,
-    /// Whether nodes that wait for their answers are drawn, or opened, rather than waited for.
-    pub speculate: bool,
-}
-
-impl QueryParameters {
-    /// The defaults of chc, or of stop-and-wait.
-    pub fn new(coherent: bool) -> QueryParameters {
-        let (latency, order) = (Latency::Steps(0), Traversal::Priority);
-        QueryParameters { coherent, latency, assume_visible: 0, pixels: 0, order, speculate: false }
-    }
-
-    /// Sets a parameter by name; `unknown` says that there is none of the name.
-    pub(super) fn set(&mut self, key: &str, value: &str, unknown: impl Fn() -> Error) -> Result<()> {
-        let number = |most: u32| match value.parse() {
-            Ok(n) if n <= most => Ok(n),
-            _ => Err(Error::parameter(key, value, format!("a number from 0 to {most}"))),
-        };
-        match key {
-            "latency" if value == "thread" => self.latency = Latency::Thread,
-            "latency" => self.latency = Latency::Steps(number(1_000_000)?),
-            "pixels" => self.pixels = number(1_000_000)?,
-            "assume-visible" if self.coherent => self.assume_visible = number(1_000)?,
-            "order" => {
-                self.order = match value {
-                    "priority" => Traversal::Priority,
-                    "depth" => Traversal::Depth,
-                    _ => return Err(Error::parameter(key, value, "priority or depth")),
-                }
-            }
-            "speculate" if self.coherent => {
-                self.speculate = match value {
-                    "on" | "off" => value == "on",
-                    _ => return Err(Error::parameter(key, value, "on or off")),
-                }
-            }
-            _ => return Err(unknown()),
-        }
-        Ok(())
-    }
-
-    /// All parameters with their values.
-    pub(super) fn list(&self) -> Vec<(String, String)> {
-        let latency = match self.latency {
-            Latency::Steps(steps) => steps.to_string(),
-            Latency::Thread => "thread".into(),
-        };
-        let order = if self.order == Traversal::Depth { "depth" } else { "priority" };
-        let mut list = vec![
-            ("latency".into(), latency),
-            ("pixels".into(), self.pixels.to_string()),
-            ("order".into(), order.into()),
-        ];
-        if self.coherent {
-            list.push(("assume-visible".into(), self.assume_visible.to_string()));
-            list.push(("speculate".into(), if self.speculate { "on" } else { "off" }.into()));
-        }
-        list
-    }
-}
 
 /// What a walk needs of a frame.
 pub(super) struct Frame<'a> {
@@ -166,7 +76,7 @@ impl Pending {
 /// Culls and draws a frame.
 ///
 /// # Errors
-/// [`Error::View`] when the view and the canvas differ in size.
+/// [`crate::Error::View`] when the view and the canvas differ in size.
 pub fn draw(
     world: &World<'_>,
     view: &View,
@@ -175,7 +85,7 @@ pub fn draw(
     canvas: &mut Canvas,
 ) -> Result<VisibleSet> {
     let level = canvas.level();
-    memory.begin(world);
+    memory.begin(world, view.eye());
     let mut bands = canvas.bands(view, 1)?;
     let Some(band) = bands.pop() else { return Ok(VisibleSet::default()) };
     let box_view = world.box_view(view);

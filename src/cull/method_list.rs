@@ -116,9 +116,10 @@ pub fn methods() -> &'static [MethodDescription] {
         },
         MethodDescription {
             name: "chc",
-            source: "Bittner et al. 2004: coherent hierarchical culling",
+            source: "Bittner et al. 2004: coherent hierarchical culling; spread, idle: Mattausch et al. 2008, CHC++",
             guarantee: "conservative with pixels=0",
-            parameters: "latency=0 (steps) or thread, pixels=0, assume-visible=0 (frames), order=priority|depth, speculate=off|on",
+            parameters: "latency=0 (steps) or thread, pixels=0, assume-visible=0 (frames) or adaptive, spread=off|on, \
+                         order=priority|depth, speculate=off|on, idle=off|on",
             when: "answers come late, as from a GPU or another thread, and views change little",
         },
         MethodDescription {

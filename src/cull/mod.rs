@@ -4,6 +4,7 @@
 //! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`plp`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+mod assumption;
 pub mod chc;
 pub mod coherent;
 mod cplp;
@@ -27,6 +28,7 @@ mod plp_parameters;
 pub mod portals;
 mod progressive;
 mod query_device;
+mod query_parameters;
 mod query_thread;
 mod sources;
 mod stop_and_wait;

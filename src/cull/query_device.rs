@@ -62,6 +62,9 @@ pub(super) trait QueryDevice {
     /// The answer to the oldest query. Nothing else may be outstanding than was issued.
     fn wait(&mut self) -> u32;
 
+    /// The answer to the oldest query, when nothing more will be drawn: the frame ends when the device is done, and it is there by then.
+    fn rest(&mut self) -> u32;
+
     fn waited(&self) -> Waited;
 }
 
@@ -181,6 +184,15 @@ impl<S: Simd> QueryDevice for SteppedDevice<'_, '_, '_, S> {
         self.waited += steps;
         self.now += steps;
         answer
+    }
+
+    #[inline(always)]
+    #[allow(clippy::manual_unwrap_or)] // kernels hold no closures
+    fn rest(&mut self) -> u32 {
+        match self.answers.pop_front() {
+            Some((answer, _)) => answer,
+            None => u32::MAX,
+        }
     }
 
     fn waited(&self) -> Waited {

@@ -85,6 +85,10 @@ impl QueryDevice for ThreadedDevice {
         answer
     }
 
+    fn rest(&mut self) -> u32 {
+        self.given.recv().unwrap_or(u32::MAX)
+    }
+
     fn waited(&self) -> Waited {
         Waited { steps: 0, nanoseconds: self.waited }
     }
