@@ -7,6 +7,7 @@ use super::hom_parameters::{DEFAULT_UPDATE_TRIANGLES, HomParameters, Selection, 
 use super::method_list::methods;
 use super::plp_parameters::PlpParameters;
 use super::portals::PortalParameters;
+use super::pvs::PvsParameters;
 use crate::error::{Error, Result};
 
 /// A method and its parameters.
@@ -31,6 +32,8 @@ pub enum Method {
     Hzb(HzbParameters),
     /// Occlusion queries: stop-and-wait, or coherent hierarchical culling.
     Queries(QueryParameters),
+    /// Visible sets from a bake.
+    Pvs(PvsParameters),
     /// The visible set alone, found beforehand.
     Ideal(IdealSet),
     /// Stages, each of which sees what the one before it left; the last one's set is drawn.
@@ -92,6 +95,7 @@ impl Method {
             "hzb" => Method::Hzb(HzbParameters::default()),
             "stop-and-wait" => Method::Queries(QueryParameters::new(false)),
             "chc" => Method::Queries(QueryParameters::new(true)),
+            "pvs" => Method::Pvs(PvsParameters::default()),
             "ideal" => Method::Ideal(IdealSet::Exact),
             _ => {
                 let known: Vec<_> = methods().iter().map(|m| m.name).collect();
@@ -109,6 +113,9 @@ impl Method {
             }
             p.check()?;
             p.overlap.check(parameters)?;
+        }
+        if let Method::Pvs(p) = &method {
+            p.check()?;
         }
         if let Method::Cplp(p) = &method {
             p.check_conservative()?;
@@ -135,6 +142,7 @@ impl Method {
                 Ok(())
             }
             Method::Plp(p) | Method::Cplp(p) => p.set(key, value, unknown),
+            Method::Pvs(p) => p.set(key, value, unknown),
             Method::Portals(p) => p.set(key, value, unknown),
             Method::Queries(p) => p.set(key, value, unknown),
             Method::Hzb(p) => match (key, value) {
@@ -158,6 +166,7 @@ impl Method {
             Method::Cplp(_) => "cplp",
             Method::Portals(_) => "portals",
             Method::Horizons => "horizons",
+            Method::Pvs(_) => "pvs",
             Method::Hzb(_) => "hzb",
             Method::Queries(p) if p.coherent => "chc",
             Method::Queries(_) => "stop-and-wait",
@@ -197,6 +206,7 @@ impl Method {
             }
             Method::Plp(p) | Method::Cplp(p) => p.list(),
             Method::Portals(p) => p.list(),
+            Method::Pvs(p) => p.list(),
             Method::Queries(p) => p.list(),
             Method::Ideal(set) => {
                 let set = if *set == IdealSet::Exact { "exact" } else { "stop-and-wait" };

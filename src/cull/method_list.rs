@@ -123,6 +123,13 @@ pub fn methods() -> &'static [MethodDescription] {
             when: "answers come late, as from a GPU or another thread, and views change little",
         },
         MethodDescription {
+            name: "pvs",
+            source: "Bittner et al. 2004, section 5; Zhang 1998, 7.5: visible sets from a bake",
+            guarantee: "approximate: a list is what its cell's middle sees; conservative out of its reach",
+            parameters: "bake=FILE (needed), snap=1",
+            when: "the scene does not move and nothing may be tested; every view point was baked",
+        },
+        MethodDescription {
             name: "ideal",
             source: "Zhang 1998, 8.3.1: the objects of an exact item buffer; Bittner et al. 2004: those of stop-and-wait",
             guarantee: "exact; its set is computed beforehand and not timed",

@@ -27,6 +27,7 @@ mod plp_cells;
 mod plp_parameters;
 pub mod portals;
 mod progressive;
+pub mod pvs;
 mod query_device;
 mod query_parameters;
 mod query_thread;
@@ -47,6 +48,7 @@ pub use overlap_parameters::{Hole, OverlapParameters};
 pub use plp_cells::{PlpCells, SharedCells};
 pub use plp_parameters::{CellKind, DEFAULT_BUDGET, Heuristic, PlpParameters};
 pub use portals::{PortalClip, PortalParameters};
+pub use pvs::PvsParameters;
 pub use query_device::Waited;
 pub use sources::{OccluderSources, SharedSources};
 
@@ -69,7 +71,7 @@ pub struct VisibleSet {
     pub overlap: OverlapStatistics,
     /// What was waited for answers to occlusion queries.
     pub waited: Waited,
-    /// True when testing was given up for the frame because nothing was hidden.
+    /// True when testing was given up for the frame because nothing was hidden; in `pvs`, when no view point was in reach.
     pub bypassed: bool,
 }
 

@@ -111,7 +111,7 @@ pub struct FrameRecord {
     pub waited_steps: u64,
     /// See `waited_steps`.
     pub waited_ms: f64,
-    /// Whether the method gave up testing in this frame because nothing was hidden.
+    /// Whether the method gave up testing in this frame because nothing was hidden, or, of `pvs`, no view point was in reach.
     pub bypassed: bool,
     /// Objects with a sample in the exact image that were not drawn; `None` without the reference.
     pub wrongly_culled: Option<u32>,

@@ -12,6 +12,7 @@ use crate::cull::horizons::{self, HorizonsMemory};
 use crate::cull::hzb::{self, HzbMemory};
 use crate::cull::plp::PlpFrame;
 use crate::cull::portals::{self, PortalMemory, PortalScene};
+use crate::cull::pvs::Pvs;
 use crate::cull::vfc::{self, VfcMemory, World};
 use crate::cull::{
     FeedbackLine, HomParameters, HzbParameters, IdealSet, Method, PlpParameters, PortalParameters, SharedCells,
@@ -33,6 +34,7 @@ pub(super) enum State<'m, 's> {
     Queries(&'m QueryParameters, ChcMemory),
     Horizons(Box<(Prisms, HorizonsMemory)>),
     Portals(&'m PortalParameters, Box<(PortalScene, PortalMemory)>),
+    Pvs(Box<Pvs>),
     Plp(&'m PlpParameters, Box<PlpFrame>),
     Cplp(&'m PlpParameters, Box<PlpFrame>),
     /// The objects of the exact item buffer.
@@ -86,6 +88,7 @@ impl<'m, 's> State<'m, 's> {
             Method::Cplp(p) => State::Cplp(p, Box::new(PlpFrame::new(options.level, cells.of(scene, p)))),
             Method::Portals(p) => State::Portals(p, Box::new((PortalScene::new(scene)?, PortalMemory::default()))),
             Method::Horizons => State::Horizons(Box::new((prisms_of(scene)?, HorizonsMemory::default()))),
+            Method::Pvs(p) => State::Pvs(Box::new(Pvs::new(scene, p)?)),
             Method::Ideal(IdealSet::Exact) => State::Exact,
             Method::Ideal(IdealSet::StopAndWait) => State::StopAndWait(ChcMemory::default()),
             Method::Hom(p) => {
@@ -107,7 +110,9 @@ impl<'m, 's> State<'m, 's> {
             State::Composed(stages) => Before::Composed(stages.iter().map(|stage| stage.state.memory()).collect()),
             // These keep working memory alone, or nothing.
             State::Hom(_, None) | State::Vfc(_) | State::Exact | State::StopAndWait(_) => Before::Nothing,
-            State::Horizons(_) | State::Portals(..) | State::Plp(..) | State::Cplp(..) => Before::Nothing,
+            State::Pvs(_) | State::Horizons(_) | State::Portals(..) | State::Plp(..) | State::Cplp(..) => {
+                Before::Nothing
+            }
         }
     }
 
@@ -178,6 +183,7 @@ impl<'m, 's> State<'m, 's> {
             State::Queries(p, memory) => timed(&mut stages.draw, || coherent::draw(world, view, p, memory, canvas)),
             State::Cplp(p, frame) => timed(&mut stages.cull, || frame.cplp(world, view, p)),
             State::Plp(p, frame) => Ok(timed(&mut stages.cull, || frame.plp(world, view, p))),
+            State::Pvs(pvs) => Ok(timed(&mut stages.cull, || pvs.cull(world, level, view))),
             State::Vfc(memory) => Ok(timed(&mut stages.cull, || vfc::cull(world, level, view, memory))),
             State::Portals(p, state) => {
                 let (scene, memory) = &mut **state;

@@ -138,6 +138,9 @@ fn add_notes(report: &WalkReport, table: &mut Table) {
     for (run, label) in report.runs.iter().zip(report.labels()) {
         match run.bypassed_frames() {
             0 => {}
+            frames if run.method == "pvs" => {
+                table.note(format!("{label}: no view point in reach in {frames} frames, drawn as by vfc"));
+            }
             frames => table.note(format!("{label}: gave up testing in {frames} frames, nothing hidden")),
         }
         if let Some(times) = run.pipeline_ms() {
