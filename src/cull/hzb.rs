@@ -5,6 +5,9 @@
 //! one that the draw keeps for its own early-outs: a sample, a block of 8x8, a tile of 4x4 blocks. Optionally what was visible in the previous
 //! frame is drawn first.
 //!
+//! Nodes at next to equal distances, a *shell*, are tested together and then opened or drawn: a test needs all that waits in the rasterizer's queues
+//! drawn, and half-full queues are dear. What a shell's nodes hide of each other is lost, 0.1 percent more triangles on the plant.
+//!
 //! Bands of the screen walk by themselves, each testing a box's part in it; an object is visible where any band says so. Invariant: what a
 //! band finds hidden would change no sample of it, so the picture is that of everything in the frustum, on any number of threads and whatever was
 //! drawn first; and the visible set is the same on any number of bands. Cost: a test a node, and the draw of what is visible.
@@ -12,7 +15,7 @@
 use homcull_simd::{Kernel, Level, Simd};
 
 use super::VisibleSet;
-use super::nearest_first::{NearestFirst, begin, open_group};
+use super::nearest_first::{NearestFirst, Waiting, begin, open_group};
 use super::query_device::{Drawing, Query};
 use super::vfc::World;
 use crate::draw::{BandDraw, Canvas, clear, shade};
@@ -21,6 +24,9 @@ use crate::occlusion::{BoxView, PlacedRows, ProjectedBoxes};
 use crate::raster::{Engine, RasterCounts};
 use crate::view::View;
 use crate::workers::Workers;
+
+/// Last bits of distances by which the nodes of a shell may differ: a 32nd of a doubling.
+const SHELL: u32 = 18;
 
 /// What a frame leaves to the next one.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -127,19 +133,29 @@ impl Kernel for Walk<'_, '_> {
         let mut front = NearestFirst::default();
         begin(tree, &mut front);
         let mut children = ProjectedBoxes::new();
-        while let Some((_, waiting)) = front.pop() {
-            let (b, group) = (waiting.b, waiting.group);
-            let hidden = drawing.answer(Query::of(&waiting)) == 0;
-            job.queries += 1;
-            match group {
-                Some((group, _)) if hidden => job.hidden += world.group_triangles[group as usize],
-                Some(group) => open_group(s, box_view, tree, group, &mut children, &mut front),
-                None if hidden => job.hidden += u64::from(scene.triangles(b.id())),
-                None => {
-                    let id = b.id();
-                    job.visible[id as usize] = true;
-                    if !first.get(id as usize).is_some_and(|&drawn| drawn) {
-                        drawing.draw(id);
+        let mut shell: Vec<(Waiting, bool)> = Vec::new();
+        loop {
+            shell.clear();
+            front.pop_shell(SHELL, &mut shell);
+            if shell.is_empty() {
+                break;
+            }
+            for (waiting, hidden) in &mut shell {
+                *hidden = drawing.answer(Query::of(waiting)) == 0;
+            }
+            job.queries += shell.len() as u64;
+            for (waiting, hidden) in &shell {
+                let (b, hidden) = (waiting.b, *hidden);
+                match waiting.group {
+                    Some((group, _)) if hidden => job.hidden += world.group_triangles[group as usize],
+                    Some(group) => open_group(s, box_view, tree, group, &mut children, &mut front),
+                    None if hidden => job.hidden += u64::from(scene.triangles(b.id())),
+                    None => {
+                        let id = b.id();
+                        job.visible[id as usize] = true;
+                        if !first.get(id as usize).is_some_and(|&drawn| drawn) {
+                            drawing.draw(id);
+                        }
                     }
                 }
             }

@@ -42,6 +42,18 @@ impl NearestFirst {
         self.waiting.clear();
     }
 
+    /// Moves the nearest out, and all others at the same distance but for its last `shift` bits.
+    pub fn pop_shell(&mut self, shift: u32, shell: &mut Vec<(Waiting, bool)>) {
+        let Some((distance, nearest)) = self.pop() else { return };
+        shell.push((nearest, false));
+        while let Some(Reverse(key)) = self.heap.peek()
+            && ((key >> 32) as u32) >> shift == distance >> shift
+            && let Some((_, waiting)) = self.pop()
+        {
+            shell.push((waiting, false));
+        }
+    }
+
     pub fn pop(&mut self) -> Option<(u32, Waiting)> {
         let Reverse(key) = self.heap.pop()?;
         Some(((key >> 32) as u32, self.waiting[key as u32 as usize]))
