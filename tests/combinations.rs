@@ -21,7 +21,7 @@ const FACTORS: [(&str, &[&str]); 4] = [
 const OF_ALL: [usize; 2] = [0, 2];
 
 /// Methods that cull while they draw, each with what it may be told.
-const DRAWING: [&str; 9] = [
+const DRAWING: [&str; 10] = [
     "hzb",
     "hzb:first=previous",
     "stop-and-wait",
@@ -29,6 +29,7 @@ const DRAWING: [&str; 9] = [
     "chc",
     "chc:latency=5,order=depth",
     "chc:latency=40,assume-visible=2",
+    "chc:latency=20,assume-visible=adaptive,spread=on,idle=on",
     "chc:latency=1000,speculate=on",
     "chc:latency=thread",
 ];

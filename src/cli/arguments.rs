@@ -68,7 +68,7 @@ pub enum Command {
         #[arg(long, value_name = "DEPTH", value_enum, default_value_t = Depth::Nbz)]
         depth: Depth,
     },
-    /// Find what is visible from the points of a grid, and write it to --out FILE, for hom:select=baked
+    /// Find what is visible from the points of a grid, and write it to --out FILE, for hom:select=baked and pvs
     Bake {
         /// A model (.obj), a benchmark folder, or a generator: NAME[:key=value,...]
         scene: String,

@@ -125,8 +125,8 @@ pub fn methods() -> &'static [MethodDescription] {
         MethodDescription {
             name: "pvs",
             source: "Bittner et al. 2004, section 5; Zhang 1998, 7.5: visible sets from a bake",
-            guarantee: "approximate: a list is what its cell's middle sees; conservative out of its reach",
-            parameters: "bake=FILE (needed), snap=1",
+            guarantee: "approximate: a list is what one point sees; conservative out of reach of all points",
+            parameters: "bake=FILE (needed), snap=1, points=1|8",
             when: "the scene does not move and nothing may be tested; every view point was baked",
         },
         MethodDescription {

@@ -233,7 +233,17 @@ impl BakedVisibility {
 
     /// The point that an eye snaps onto: the nearest that was not skipped, at most `snap` diagonals of a cell away.
     pub fn snap(&self, eye: DVec3, snap: f32) -> Option<usize> {
-        let reach = self.header.grid.cell_size().length() * f64::from(snap);
-        self.header.grid.nearest(eye, reach, |point| self.points[point].is_ok())
+        self.header.grid.nearest(eye, self.reach(snap), |point| self.points[point].is_ok())
+    }
+
+    /// The points [around](ViewGrid::around) an eye that were not skipped, at most `snap` diagonals of a cell away.
+    pub fn around(&self, eye: DVec3, snap: f32) -> Vec<usize> {
+        let (grid, reach) = (&self.header.grid, self.reach(snap));
+        let usable = |p: &usize| self.points[*p].is_ok() && grid.point(*p).distance(eye) <= reach;
+        grid.around(eye).into_iter().filter(usable).collect()
+    }
+
+    fn reach(&self, snap: f32) -> f64 {
+        self.header.grid.cell_size().length() * f64::from(snap)
     }
 }

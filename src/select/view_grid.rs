@@ -74,6 +74,19 @@ impl ViewGrid {
         ((cell.z * self.cells.y + cell.y) * self.cells.x + cell.x) as usize
     }
 
+    /// The corners of the box between eight points in which an eye is, or, outside the points, of the part of their border that is
+    /// nearest to it. Where the eye lies in a plane of points, and on the border, some are the same.
+    pub fn around(&self, eye: DVec3) -> [usize; 8] {
+        let last = (self.cells - 1).as_dvec3();
+        // 0/0, of a flat box, casts to 0.
+        let at = ((eye - self.min) / self.cell_size() - 0.5).clamp(DVec3::ZERO, last);
+        let (low, high) = (at.floor().as_uvec3(), at.ceil().as_uvec3());
+        std::array::from_fn(|corner| {
+            let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            self.number(UVec3::new(side(0), side(1), side(2)).min(self.cells - 1))
+        })
+    }
+
     /// The nearest usable point within `reach` of an eye; ties by number.
     pub fn nearest(&self, eye: DVec3, reach: f64, usable: impl Fn(usize) -> bool) -> Option<usize> {
         if !eye.is_finite() {
