@@ -7,75 +7,17 @@ mod oracle;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use homcull::cull::portals::{self, PortalMemory, PortalScene};
-use homcull::cull::vfc::{self, VfcMemory, World};
-use homcull::cull::{PortalClip, PortalParameters};
-use homcull::draw::Canvas;
+use homcull::cull::portals::{self, PortalScene};
+use homcull::cull::{CellsFrom, Method, PortalClip, PortalParameters};
 use homcull::scene::{Cell, Cells, Portal, PreparedScene, Scene, load, load_cells, parse};
-use homcull::view::{Camera, ClipSpace, View, Viewport};
+use homcull::view::{Camera, ClipSpace, View};
 use homcull_simd::Level;
+use oracle::portal_stage::{CLIPS, Stage};
 use oracle::random::Random;
 use oracle::scenes;
 
-const CLIPS: [PortalClip; 2] = [PortalClip::Polygon, PortalClip::Rectangle];
-
-/// A scene with all that its pictures need.
-struct Stage<'s> {
-    world: World<'s>,
-    portals: PortalScene,
-    memory: PortalMemory,
-    canvases: [Canvas; 2],
-    viewport: Viewport,
-}
-
-/// Objects drawn, objects in the frustum.
-type Counts = [usize; 2];
-
-impl<'s> Stage<'s> {
-    fn new(scene: &'s PreparedScene, viewport: Viewport) -> Stage<'s> {
-        Stage {
-            world: World::new(scene),
-            portals: PortalScene::new(scene).unwrap(),
-            memory: PortalMemory::default(),
-            canvases: [0, 1].map(|_| Canvas::new(viewport, Level::best()).unwrap()),
-            viewport,
-        }
-    }
-
-    /// Draws what portals leave and everything in the frustum, and demands the same picture.
-    #[track_caller]
-    fn keeps_the_picture(&mut self, what: &str, view: &View) -> Counts {
-        let scene = self.world.scene;
-        let all = vfc::cull(&self.world, Level::best(), view, &mut VfcMemory::default());
-        let mut drawn = all.objects.len();
-        let draw = |canvas: &mut Canvas, objects: &[u32]| {
-            canvas.draw(view, scene, objects, 1, |jobs| jobs.iter_mut().for_each(|j| j.run())).unwrap();
-        };
-        let [ours, theirs] = &mut self.canvases;
-        draw(theirs, &all.objects);
-        for clip in CLIPS.into_iter().rev() {
-            let parameters = PortalParameters { clip };
-            let set = portals::cull(&self.world, Level::best(), view, &self.portals, &parameters, &mut self.memory);
-            assert!(set.objects.iter().all(|o| all.objects.contains(o)), "{what}: outside the frustum");
-            draw(ours, &set.objects);
-            let differing = ours.differing_samples(theirs, scene);
-            assert_eq!(differing, 0, "{what}, {clip:?}: samples differ from {:?}", view.eye());
-            drawn = set.objects.len();
-        }
-        [drawn, all.objects.len()]
-    }
-
-    fn cells(&self) -> &Cells {
-        self.portals.cells()
-    }
-}
-
 fn prepared(text: &str) -> PreparedScene {
     PreparedScene::new(&parse(text).unwrap().scene).unwrap()
-}
-
-fn viewport() -> Viewport {
-    Viewport::new(192, 144).unwrap()
 }
 
 fn camera(r: &mut Random, eye: DVec3) -> Camera {
@@ -92,7 +34,7 @@ fn within(r: &mut Random, min: DVec3, max: DVec3) -> DVec3 {
 #[test]
 fn from_anywhere_in_the_rooms_the_picture_is_that_of_everything() {
     let scene = prepared("rooms:triangles=70000");
-    let mut stage = Stage::new(&scene, viewport());
+    let mut stage = Stage::new(&scene, CellsFrom::Given);
     let mut r = Random::new(1);
     let (mut drawn, mut all) = (0, 0);
     for round in 0..250 {
@@ -110,7 +52,7 @@ fn from_anywhere_in_the_rooms_the_picture_is_that_of_everything() {
 #[test]
 fn on_a_portal_the_picture_is_that_of_everything() {
     let scene = prepared("rooms:triangles=60000,seed=3");
-    let mut stage = Stage::new(&scene, viewport());
+    let mut stage = Stage::new(&scene, CellsFrom::Given);
     let mut r = Random::new(2);
     for round in 0..200 {
         let portals = stage.cells().portals();
@@ -143,7 +85,7 @@ fn on_a_portal_the_picture_is_that_of_everything() {
 #[test]
 fn outside_and_in_walls_the_picture_is_that_of_everything() {
     let scene = prepared("rooms:triangles=60000,seed=4");
-    let mut stage = Stage::new(&scene, viewport());
+    let mut stage = Stage::new(&scene, CellsFrom::Given);
     let mut r = Random::new(3);
     let (low, high) = (DVec3::new(-9.0, 0.1, -9.0), DVec3::new(40.0, 12.0, 40.0));
     let mut outside = 0;
@@ -166,7 +108,7 @@ fn outside_and_in_walls_the_picture_is_that_of_everything() {
 #[test]
 fn orthographic_views_see_through_portals_too() {
     let scene = prepared("rooms:triangles=60000,seed=5");
-    let mut stage = Stage::new(&scene, viewport());
+    let mut stage = Stage::new(&scene, CellsFrom::Given);
     let mut r = Random::new(4);
     let mut inside = 0;
     for round in 0..150 {
@@ -219,7 +161,7 @@ fn passed(cells: &Cells, start: DVec3, ray: DVec3) -> Vec<u32> {
 #[test]
 fn every_cell_that_a_ray_passes_is_seen_and_few_others() {
     let scene = prepared("rooms:triangles=70000");
-    let mut stage = Stage::new(&scene, viewport());
+    let mut stage = Stage::new(&scene, CellsFrom::Given);
     let mut r = Random::new(5);
     let (mut hit, mut seen_by_polygons) = (0, 0);
     for round in 0..60 {
@@ -230,7 +172,7 @@ fn every_cell_that_a_ray_passes_is_seen_and_few_others() {
         let view = camera.view(stage.viewport).unwrap();
         let mut wider = Vec::new();
         for clip in CLIPS.into_iter().rev() {
-            let parameters = PortalParameters { clip };
+            let parameters = PortalParameters { clip, ..PortalParameters::default() };
             portals::cull(&stage.world, Level::best(), &view, &stage.portals, &parameters, &mut stage.memory);
             let seen = stage.memory.seen().unwrap().to_vec();
             let mut met = vec![false; stage.cells().cells().len()];
@@ -383,7 +325,7 @@ fn a_cells_file_beside_an_obj_is_read() {
     assert_eq!((cells.cells()[0].name.as_str(), cells.cells()[1].name.as_str()), ("hall", "1"));
     assert_eq!(cells.portals(), [portal([0, 1], [5.0, 0.0, 1.0], [5.0, 2.0, 2.0])]);
     let prepared = PreparedScene::new(&scene).unwrap();
-    assert_eq!(PortalScene::new(&prepared).unwrap().objects().of(0), [0]);
+    assert_eq!(PortalScene::new(&prepared, CellsFrom::Any).unwrap().objects().of(0), [0]);
 }
 
 #[test]
@@ -416,8 +358,25 @@ fn a_damaged_cells_file_is_refused_with_file_and_key() {
 }
 
 #[test]
+fn the_method_reads_its_parameters_and_names_those_it_does_not_know() {
+    let method = Method::parse("portals:clip=rectangle,cells=found").unwrap();
+    assert_eq!(method, Method::Portals(PortalParameters { clip: PortalClip::Rectangle, cells: CellsFrom::Found }));
+    let list = [("clip", "polygon"), ("cells", "any")].map(|(k, v)| (k.to_owned(), v.to_owned()));
+    assert_eq!(Method::parse("portals").unwrap().parameters(), list);
+    for (text, word) in [("portals:clip=oval", "oval"), ("portals:cells=none", "none"), ("portals:depth=nbz", "depth")]
+    {
+        let said = Method::parse(text).unwrap_err().to_string();
+        assert!(said.contains(word), "{said}");
+    }
+}
+
+#[test]
 fn a_scene_without_cells_is_refused_in_one_line() {
     let scene = prepared("terrain:triangles=2000");
-    let said = PortalScene::new(&scene).unwrap_err().to_string();
+    let said = PortalScene::new(&scene, CellsFrom::Given).unwrap_err().to_string();
     assert!(said.contains("portals") && said.contains("no cells") && said.lines().count() == 1, "{said}");
+    for from in [CellsFrom::Any, CellsFrom::Found] {
+        let said = PortalScene::new(&scene, from).unwrap_err().to_string();
+        assert!(said.contains("nothing to gain") && said.lines().count() == 1, "{said}");
+    }
 }

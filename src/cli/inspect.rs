@@ -1,5 +1,7 @@
 //! `homcull inspect`, `homcull scenes`, `homcull methods`.
 
+use std::time::Instant;
+
 use serde_json::json;
 
 use super::arguments::Options;
@@ -25,6 +27,7 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
     let finite = bounds.is_finite();
     let size = if finite { bounds.size().to_array() } else { [0.0; 3] };
     let occluders = occluders(&prepared)?;
+    let cells = InspectedCells::new(&prepared);
     let value = json!({
         "scene": argument,
         "objects": setting.scene.objects.len(),
@@ -36,6 +39,7 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         "views": setting.views.len(),
         "hierarchy": {"nodes": hierarchy.nodes.len(), "depth": hierarchy.depth(), "unplaced": hierarchy.unplaced.len()},
         "occluders": occluders.json(),
+        "cells": cells.json(),
     });
     if let Some(target) = &options.json {
         return write_json(target, &value);
@@ -49,8 +53,52 @@ pub fn scene(argument: &str, options: &Options) -> Result<()> {
         say!("  views       {}", setting.views.len());
         say!("  hierarchy   {} nodes, {} deep", hierarchy.nodes.len(), hierarchy.depth());
         say!("  occluders   {}", occluders.line());
+        say!("  cells       {}", cells.line());
     }
     Ok(())
+}
+
+/// The cells and portals of a scene: its own, or those found.
+struct InspectedCells {
+    cells: usize,
+    portals: usize,
+    /// What of the faces between cells found is no portal, and the seconds that it took to find them.
+    found: Option<(f64, f64)>,
+}
+
+impl InspectedCells {
+    fn new(scene: &PreparedScene) -> InspectedCells {
+        if let Some(own) = &scene.cells {
+            let (cells, portals) = (own.cells().len(), own.portals().len());
+            return InspectedCells { cells, portals, found: None };
+        }
+        let start = Instant::now();
+        let found = scene::find_cells(scene);
+        let seconds = start.elapsed().as_secs_f64();
+        let (cells, portals) = (found.cells.cells().len(), found.cells.portals().len());
+        InspectedCells { cells, portals, found: Some((found.covered, seconds)) }
+    }
+
+    fn json(&self) -> serde_json::Value {
+        json!({
+            "from": if self.found.is_some() { "found" } else { "given" },
+            "cells": self.cells,
+            "portals": self.portals,
+            "covered": self.found.map(|(covered, _)| covered),
+            "seconds": self.found.map(|(_, seconds)| seconds),
+        })
+    }
+
+    fn line(&self) -> String {
+        let counts = format!("{} with {} portals", grouped(self.cells as u64), grouped(self.portals as u64));
+        match self.found {
+            None => format!("{counts}, given"),
+            Some((covered, seconds)) => format!(
+                "{counts}, found in {seconds:.2} s; {:.1} % of the faces between them are covered",
+                covered * 100.0
+            ),
+        }
+    }
 }
 
 /// What static occluder selection leaves of a scene.

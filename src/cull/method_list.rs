@@ -90,8 +90,8 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "portals",
             source: "Luebke and Georges 1995; Russin's lecture, portal culling",
             guarantee: "conservative for cells whose walls have no cracks",
-            parameters: "clip=polygon|rectangle",
-            when: "indoors, where the scene has cells: nothing is drawn for it",
+            parameters: "clip=polygon|rectangle, cells=any|given|found (any: those that the scene brings, else found along opaque axis-aligned walls)",
+            when: "indoors, where walls are aligned with the axes or the scene brings cells: nothing is drawn for it",
         },
         MethodDescription {
             name: "horizons",

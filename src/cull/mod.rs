@@ -47,7 +47,7 @@ pub use method_list::{MethodDescription, methods};
 pub use overlap_parameters::{Hole, OverlapParameters};
 pub use plp_cells::{PlpCells, SharedCells};
 pub use plp_parameters::{CellKind, DEFAULT_BUDGET, Heuristic, PlpParameters};
-pub use portals::{PortalClip, PortalParameters};
+pub use portals::{CellsFrom, PortalClip, PortalParameters};
 pub use pvs::PvsParameters;
 pub use query_device::Waited;
 pub use sources::{OccluderSources, SharedSources};

@@ -86,7 +86,9 @@ impl<'m, 's> State<'m, 's> {
             Method::Queries(p) => State::Queries(p, ChcMemory::default()),
             Method::Plp(p) => State::Plp(p, Box::new(PlpFrame::new(options.level, cells.of(scene, p)))),
             Method::Cplp(p) => State::Cplp(p, Box::new(PlpFrame::new(options.level, cells.of(scene, p)))),
-            Method::Portals(p) => State::Portals(p, Box::new((PortalScene::new(scene)?, PortalMemory::default()))),
+            Method::Portals(p) => {
+                State::Portals(p, Box::new((PortalScene::new(scene, p.cells)?, PortalMemory::default())))
+            }
             Method::Horizons => State::Horizons(Box::new((prisms_of(scene)?, HorizonsMemory::default()))),
             Method::Pvs(p) => State::Pvs(Box::new(Pvs::new(scene, p)?)),
             Method::Ideal(IdealSet::Exact) => State::Exact,
@@ -209,7 +211,7 @@ impl<'m, 's> State<'m, 's> {
 /// [`Error::Parameter`] that says so.
 pub fn applies(method: &Method, scene: &PreparedScene) -> Result<()> {
     match method {
-        Method::Portals(_) => PortalScene::new(scene).map(drop),
+        Method::Portals(p) => PortalScene::new(scene, p.cells).map(drop),
         Method::Horizons => prisms_of(scene).map(drop),
         Method::Composed(stages) => stages.iter().try_for_each(|stage| applies(stage, scene)),
         _ => Ok(()),

@@ -4,6 +4,10 @@ mod benchmark;
 mod cells;
 #[cfg(feature = "cli")]
 mod cells_json;
+#[cfg(feature = "bvh")]
+mod cover;
+#[cfg(feature = "bvh")]
+mod find_cells;
 mod generate;
 #[cfg(feature = "bvh")]
 mod hierarchy;
@@ -23,6 +27,8 @@ mod object_cells;
 mod octree;
 #[cfg(feature = "bvh")]
 mod placed_triangles;
+#[cfg(feature = "bvh")]
+mod plane_grid;
 #[cfg(any(feature = "obj", feature = "lod"))]
 mod polygon;
 mod prepared;
@@ -40,6 +46,8 @@ pub use benchmark::{Benchmark, Reference, ReferenceAnswer, load_benchmark, load_
 pub use cells::{Cell, Cells, Portal};
 #[cfg(feature = "cli")]
 pub use cells_json::load_cells;
+#[cfg(feature = "bvh")]
+pub use find_cells::{FoundCells, find_cells};
 pub use generate::{Generated, Generator, generators, parse};
 #[cfg(feature = "bvh")]
 pub use hierarchy::{Hierarchy, MAX_DEPTH, Node};

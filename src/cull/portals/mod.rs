@@ -24,7 +24,7 @@ use super::VisibleSet;
 use super::vfc::{self, VfcMemory, World};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
-use crate::scene::{Cells, ObjectCells, PreparedScene};
+use crate::scene::{Cells, FoundCells, ObjectCells, PreparedScene, find_cells};
 use crate::view::View;
 use region::{Edges, Region};
 use viewer::Viewer;
@@ -39,11 +39,25 @@ pub enum PortalClip {
     Rectangle,
 }
 
+/// Where cells and portals come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CellsFrom {
+    /// The scene, or [`find_cells`] if it brings none.
+    #[default]
+    Any,
+    /// The scene brings them.
+    Given,
+    /// [`find_cells`], whatever the scene brings.
+    Found,
+}
+
 /// Parameters of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PortalParameters {
     /// What cuts the view.
     pub clip: PortalClip,
+    /// Where cells and portals come from.
+    pub cells: CellsFrom,
 }
 
 impl PortalParameters {
@@ -53,6 +67,10 @@ impl PortalParameters {
             ("clip", "polygon") => self.clip = PortalClip::Polygon,
             ("clip", "rectangle") => self.clip = PortalClip::Rectangle,
             ("clip", _) => return Err(Error::parameter(key, value, "polygon or rectangle")),
+            ("cells", "any") => self.cells = CellsFrom::Any,
+            ("cells", "given") => self.cells = CellsFrom::Given,
+            ("cells", "found") => self.cells = CellsFrom::Found,
+            ("cells", _) => return Err(Error::parameter(key, value, "any, given or found")),
             _ => return Err(unknown()),
         }
         Ok(())
@@ -64,10 +82,17 @@ impl PortalParameters {
             PortalClip::Polygon => "polygon",
             PortalClip::Rectangle => "rectangle",
         };
-        vec![("clip".into(), clip.into())]
+        let cells = match self.cells {
+            CellsFrom::Any => "any",
+            CellsFrom::Given => "given",
+            CellsFrom::Found => "found",
+        };
+        vec![("clip".into(), clip.into()), ("cells".into(), cells.into())]
     }
 }
 
+/// The covered part of the faces between found cells under which they are not worth walking.
+const WORTHWHILE: f64 = 0.02;
 /// Regions that a cell keeps apart.
 const REGIONS: usize = 8;
 const NONE: u32 = u32::MAX;
@@ -80,15 +105,19 @@ pub struct PortalScene {
 }
 
 impl PortalScene {
-    /// The cells that a scene brings.
+    /// The cells of a scene, as it brings them or found, with the objects in them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when it brings none.
-    pub fn new(scene: &PreparedScene) -> Result<PortalScene> {
-        let Some(cells) = scene.cells.clone() else {
-            let reason =
-                "the scene has no cells: they come with the generator rooms, or as NAME.cells.json beside NAME.obj";
-            return Err(Error::parameter("method", "portals", reason));
+    /// [`Error::Parameter`] when it shall bring them and brings none, and when those found have next to no walls between them.
+    pub fn new(scene: &PreparedScene, from: CellsFrom) -> Result<PortalScene> {
+        let cells = match (from, &scene.cells) {
+            (CellsFrom::Any | CellsFrom::Given, Some(cells)) => cells.clone(),
+            (CellsFrom::Given, None) => {
+                let reason =
+                    "the scene brings no cells, as the generator rooms does, or NAME.cells.json beside NAME.obj";
+                return Err(Error::parameter("method", "portals", reason));
+            }
+            (CellsFrom::Any, None) | (CellsFrom::Found, _) => worthwhile(find_cells(scene))?,
         };
         Ok(PortalScene { objects: ObjectCells::new(scene, &cells), cells })
     }
@@ -102,6 +131,19 @@ impl PortalScene {
     pub fn objects(&self) -> &ObjectCells {
         &self.objects
     }
+}
+
+/// Cells found, if walls part them.
+fn worthwhile(found: FoundCells) -> Result<Cells> {
+    let reason = match found.cells.cells().len() {
+        _ if found.covered >= WORTHWHILE => return Ok(found.cells),
+        0 | 1 => "nothing to gain: no large opaque face lies across an axis, so that the scene is one cell".into(),
+        n => format!(
+            "nothing to gain: of the faces between the {n} cells found, opaque triangles are proven to cover {:.2} %",
+            found.covered * 100.0
+        ),
+    };
+    Err(Error::parameter("method", "portals", reason))
 }
 
 /// A region of a cell.
