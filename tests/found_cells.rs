@@ -26,7 +26,11 @@ impl Lattice {
         let step = |r: &mut Random| if r.chance(0.25) { r.range(0.05, 0.3) } else { r.range(0.8, 3.0) };
         Lattice(steps.map(|n| {
             let mut at = r.range(-30.0, 10.0);
-            (0..=n).map(|_| std::mem::replace(&mut at, at + step(r)) as f32).collect()
+            let mut next = |_| {
+                at += step(r);
+                at as f32
+            };
+            (0..=n).map(&mut next).collect()
         }))
     }
 

@@ -43,9 +43,9 @@ pub(super) struct Flat {
 /// Grid lines of a rectangle in each direction, at most: beyond it nothing is claimed.
 const LINES: usize = 800;
 /// Open rectangles of a face, at most: of more, the one around them is taken.
-const OPEN: usize = 12;
+const OPEN: usize = 4;
 /// Two open rectangles are joined when the part of the whole that was not open is at most this.
-const WASTE: f64 = 0.1;
+const WASTE: f64 = 0.25;
 /// What slanted edges count as wider than they are, of the size of their coordinates.
 const SLANTED: f64 = 1e-9;
 

@@ -18,7 +18,7 @@ use super::plane_grid::PlaneGrid;
 use super::{Cell, Cells, Portal, PreparedScene};
 
 /// The part of a face above which it is a wall, and nothing grows through it.
-const WALL: f64 = 0.1;
+const WALL: f64 = 0.2;
 /// Cells that stop at walls; what is then left is filled without regard to them.
 const MOST: usize = 2048;
 /// A box of the grid that is in no cell yet.

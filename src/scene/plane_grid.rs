@@ -15,7 +15,7 @@ const BOXES: usize = 1 << 21;
 /// Planes across an axis, at most.
 const PLANES: usize = 500;
 /// Planes with less opaque area than this part of the scene's largest section are not taken.
-const LEAST_AREA: f64 = 1e-4;
+const LEAST_AREA: f64 = 3e-4;
 /// Planes as near as this to a larger one are not taken, as a part of the scene's longest side.
 const NEAREST: f64 = 1e-5;
 /// What f64 tells apart in the world, with some thousands to spare.

@@ -94,7 +94,7 @@ impl PortalParameters {
 /// The covered part of the faces between found cells under which they are not worth walking.
 const WORTHWHILE: f64 = 0.02;
 /// Regions that a cell keeps apart.
-const REGIONS: usize = 8;
+const REGIONS: usize = 24;
 const NONE: u32 = u32::MAX;
 
 /// Cells, portals, and the objects in them: what does not change from frame to frame.
