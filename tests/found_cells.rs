@@ -159,14 +159,14 @@ fn an_object_in_a_wall_is_seen_from_both_sides() {
     });
     let mut stage = Stage::new(&scene, CellsFrom::Found);
     let mut r = Random::new(3);
-    let last = scene.bounds.len() as u32 - 1;
+    let in_wall = scene.bounds.len() as u32 - 3;
     for room in [0, 1] {
         let holds = |x: f64| if room == 0 { x < 4.0 } else { x > 4.0 };
         let in_room = |&c: &u32| {
             let cell = &stage.cells().cells()[c as usize];
             holds((cell.min.x + cell.max.x) * 0.5)
         };
-        assert!(stage.portals.objects().of(last).iter().any(in_room));
+        assert!(stage.portals.objects().of(in_wall).iter().any(in_room));
         for round in 0..20 {
             let eye = DVec3::new(r.range(0.1, 3.4) + 4.5 * f64::from(room), r.range(0.1, 2.9), r.range(0.1, 3.9));
             let view = scenes::camera(&mut r, eye).view(stage.viewport).unwrap();
@@ -194,14 +194,14 @@ fn random_world(r: &mut Random) -> (Lattice, PreparedScene) {
         }
     }
     let (low, high) = (lattice.point([0; 3]), lattice.point([0, 1, 2].map(|k| lattice.steps(k))));
-    for _ in 0..150 {
+    for i in 0..60 {
         let at = |r: &mut Random| {
             let p = [0, 1, 2].map(|k| r.float(f64::from(low[k]) - 1.0, f64::from(high[k]) + 1.0));
             Vec3::from_array(p)
         };
         let from = at(r);
         let size = Vec3::new(r.float(0.05, 0.6), r.float(0.05, 0.6), r.float(0.05, 0.6));
-        if r.chance(0.8) {
+        if i < 6 {
             world.cuboid(from, from + size, Facing::Both);
         } else {
             world.triangles(&[[from, from.lerp(at(r), 0.2), from.lerp(at(r), 0.2)]], Facing::Both);
@@ -214,9 +214,9 @@ fn random_world(r: &mut Random) -> (Lattice, PreparedScene) {
 fn in_worlds_of_walls_the_picture_is_that_of_everything() {
     let mut r = Random::new(1);
     let (mut drawn, mut all, mut refused) = (0, 0, 0);
-    for world in 0..30 {
+    for world in 0..12 {
         let (lattice, scene) = random_world(&mut r);
-        if homcull::cull::portals::PortalScene::new(&scene, CellsFrom::Found).is_err() {
+        if find_cells(&scene).covered < 0.1 {
             refused += 1;
             continue;
         }
@@ -295,7 +295,7 @@ fn from_anywhere_in_rooms_the_picture_of_cells_found_is_that_of_everything() {
 
 #[test]
 fn a_scene_without_walls_is_one_cell_and_one_without_triangles_has_none() {
-    let mut scene = parse("terrain:triangles=2000").unwrap().scene;
+    let mut scene = parse("forest:triangles=5000").unwrap().scene;
     let found = find_cells(&PreparedScene::new(&scene).unwrap());
     assert_eq!((found.cells.cells().len(), found.cells.portals().len()), (1, 0));
     scene.objects.clear();

@@ -375,6 +375,7 @@ fn a_scene_without_cells_is_refused_in_one_line() {
     let scene = prepared("terrain:triangles=2000");
     let said = PortalScene::new(&scene, CellsFrom::Given).unwrap_err().to_string();
     assert!(said.contains("portals") && said.contains("no cells") && said.lines().count() == 1, "{said}");
+    let scene = prepared("forest:triangles=5000");
     for from in [CellsFrom::Any, CellsFrom::Found] {
         let said = PortalScene::new(&scene, from).unwrap_err().to_string();
         assert!(said.contains("nothing to gain") && said.lines().count() == 1, "{said}");

@@ -231,12 +231,12 @@ fn mark_open(edges: &[(Point, Point)], lines: &[Vec<f64>; 2], open: &mut [bool])
     }
 }
 
-/// The range of x of a slanted edge between two heights, widened.
+/// The range of x of a slanted edge between two heights, widened, but not beyond its ends.
 fn crossing(low: Point, high: Point, y0: f64, y1: f64) -> (f64, f64) {
     let at = |y: f64| low[0] + (high[0] - low[0]) * ((y - low[1]) / (high[1] - low[1]));
     let (p, q) = (at(y0), at(y1));
     let wide = SLANTED * (low[0].abs().max(high[0].abs()) + low[1].abs().max(high[1].abs()));
-    (p.min(q) - wide, p.max(q) + wide)
+    ((p.min(q) - wide).max(low[0].min(high[0])), (p.max(q) + wide).min(low[0].max(high[0])))
 }
 
 /// The marked cells of a grid as a few rectangles that hold them all.

@@ -92,7 +92,7 @@ impl PortalParameters {
 }
 
 /// The covered part of the faces between found cells under which they are not worth walking.
-const WORTHWHILE: f64 = 0.02;
+const WORTHWHILE: f64 = 0.05;
 /// Regions that a cell keeps apart.
 const REGIONS: usize = 24;
 const NONE: u32 = u32::MAX;
