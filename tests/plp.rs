@@ -10,7 +10,8 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use homcull::cull::plp::PlpFrame;
 use homcull::cull::vfc::World;
-use homcull::cull::{CellKind, Heuristic, Method, PlpCells, PlpParameters};
+use homcull::cull::{CellKind, Heuristic, Method, PlpCells, PlpParameters, VisibleSet};
+use homcull::draw::Canvas;
 use homcull::geometry::Aabb;
 use homcull::measure::report::WalkReport;
 use homcull::measure::walk::{WalkOptions, walk};
@@ -64,7 +65,6 @@ fn leaves_know_all_that_touch_them_and_fill_the_cube() {
                 m | u8::from(at(false)) << a | u8::from(at(true)) << (a + 3)
             });
             assert_eq!(octree.boundary(leaf), sides);
-            assert!(octree.solidity()[leaf as usize].iter().all(|share| (0.0..=1.0).contains(share)));
         }
         assert_eq!(octree.leaf_at(octree.cube().max + Vec3::ONE), None);
     }
@@ -131,27 +131,48 @@ fn a_triangle_is_in_every_leaf_that_it_touches() {
 }
 
 #[test]
-fn a_wall_is_solid_across_and_not_along() {
+fn a_box_shows_its_sides_and_so_does_a_sheet() {
+    let (size, middle) = (Vec3::new(16.0, 8.0, 2.0), Vec3::new(30.0, -4.0, 7.0));
     let mut b = Builder::new();
-    b.cuboid(Vec3::new(-8.0, -8.0, -1.0), Vec3::new(8.0, 8.0, 1.0), Facing::Front);
-    let octree = Octree::build(&b.prepared(), &OctreeLimits { triangles: 0, depth: 1 });
-    for share in octree.solidity() {
-        assert_eq!(share[2], 1.0, "looked at across the wall");
-        assert!(share[0] < 0.2 && share[1] < 0.2, "along it: {share:?}");
-    }
+    b.cuboid(middle - size * 0.5, middle + size * 0.5, Facing::Front);
+    let sheet = [Vec3::ZERO, Vec3::X * 6.0, Vec3::new(6.0, 4.0, 0.0), Vec3::Y * 4.0];
+    b.triangles(&[[sheet[0], sheet[1], sheet[2]], [sheet[0], sheet[2], sheet[3]]], Facing::Both);
+    b.triangles(&[[Vec3::ZERO, Vec3::X, Vec3::X * 2.0]], Facing::Both);
+    let quarter = b.cuboid(-size * 0.5, size * 0.5, Facing::Front);
+    quarter.rotation = glam::Mat3::from_cols(Vec3::Y, -Vec3::X, Vec3::Z);
+    let areas = homcull::scene::shown_areas(&b.prepared());
+    let of_box = Vec3::new(size.y * size.z, size.z * size.x, size.x * size.y);
+    let turned = Vec3::new(of_box.y, of_box.x, of_box.z);
+    assert_eq!(areas, [of_box, Vec3::Z * 24.0, Vec3::ZERO, turned]);
 }
 
 fn frame(level: Level, world: &World<'_>, parameters: &PlpParameters) -> PlpFrame {
     PlpFrame::new(level, Arc::new(PlpCells::new(world.scene, parameters)))
 }
 
-/// Panics unless cPLP's set holds all that shows, and the front alone found it.
+/// A frame of cPLP, and its picture.
+fn cplp(frame: &mut PlpFrame, world: &World<'_>, view: &View, parameters: &PlpParameters) -> (VisibleSet, Canvas) {
+    let mut canvas = Canvas::new(view.viewport(), Level::best()).unwrap();
+    let set = frame.cplp(world, view, parameters, &mut canvas).unwrap();
+    (set, canvas)
+}
+
+/// The picture of everything.
+fn picture(view: &View, scene: &PreparedScene) -> Canvas {
+    let mut canvas = Canvas::new(view.viewport(), Level::best()).unwrap();
+    let all: Vec<u32> = (0..scene.occluders.len() as u32).collect();
+    canvas.draw(view, scene, &all, 1, |_| ()).unwrap();
+    canvas
+}
+
+/// Panics unless cPLP's set holds all that shows, the front alone found it, and the picture is that of everything.
 fn cplp_shows_all(what: &str, view: &View, scene: &PreparedScene, parameters: &PlpParameters) -> PlpFrame {
     let world = World::new(scene);
     let (shown, _) = samples(view, scene);
     for_levels(what, |level| {
         let mut frame = frame(level, &world, parameters);
-        let set = frame.cplp(&world, view, parameters).unwrap();
+        let mut canvas = Canvas::new(view.viewport(), level).unwrap();
+        let set = frame.cplp(&world, view, parameters, &mut canvas).unwrap();
         let strays = frame.strays();
         for (id, &count) in shown.iter().enumerate().filter(|(_, count)| **count > 0) {
             let id = id as u32;
@@ -162,7 +183,8 @@ fn cplp_shows_all(what: &str, view: &View, scene: &PreparedScene, parameters: &P
         set.objects
     });
     let mut frame = frame(Level::best(), &world, parameters);
-    frame.cplp(&world, view, parameters).unwrap();
+    let (_, canvas) = cplp(&mut frame, &world, view, parameters);
+    assert!(canvas.equals(&picture(view, scene)), "{what}: the picture is another one, {view:?}");
     frame
 }
 
@@ -267,8 +289,8 @@ fn plp_and_cplp_take_turns_and_remember_nothing() {
         if round % 2 == 0 {
             assert_eq!(shared.plp(&world, &view, &parameters), fresh.plp(&world, &view, &parameters));
         } else {
-            let sets = [&mut shared, &mut fresh].map(|f| f.cplp(&world, &view, &parameters).unwrap());
-            assert_eq!(sets[0], sets[1]);
+            let [a, b] = [&mut shared, &mut fresh].map(|f| cplp(f, &world, &view, &parameters));
+            assert!(a.0 == b.0 && a.1.equals(&b.1));
         }
     }
 }
@@ -348,6 +370,18 @@ fn cplp_keeps_the_picture_of_the_city_and_the_plant() {
         }
         let drawn = report.runs.iter().map(|run| run.mean(report.pixels()).triangles_drawn).collect::<Vec<_>>();
         assert!(drawn[1..].iter().all(|&d| d < drawn[0] * 0.8), "{scene}: there is much to cull: {drawn:?}");
+    }
+}
+
+#[test]
+fn solidity_shows_more_than_layers_for_the_same_budget() {
+    for (scene, budget) in [("plant:triangles=1000000", 25_000), ("city:triangles=40000", 1500)] {
+        let of = |heuristic: &str| format!("plp:budget={budget},leaf=4000,heuristic={heuristic}");
+        let report = walked(scene, 6, (160, 128), &[&of("solidity"), &of("layer")]);
+        let wrong = |i: usize| -> u64 { report.runs[i].frames.iter().filter_map(|f| f.wrong_pixels).sum() };
+        assert!(wrong(0) * 3 < wrong(1) * 2, "{scene}: solidity {}, layer {}", wrong(0), wrong(1));
+        let default = Method::parse("plp").unwrap().parameters();
+        assert!(default.contains(&("heuristic".into(), "solidity".into())), "the better one is the default");
     }
 }
 

@@ -1,11 +1,11 @@
 //! Conservative prioritized-layered projection, cPLP (Correa, Klosowski and Silva 2002; Klosowski and Silva 2001).
 //!
-//! The visible set of `plp` is the first guess, and is drawn into an occlusion buffer. Then every cell of the front is asked
-//! about by a visible-sample query of its own, its box against the buffer: one that may be seen is projected, its objects are
+//! The visible set of `plp` is the first guess, and is drawn into the picture. Then the front begins anew, and every cell in it is asked
+//! about by a visible-sample query of its own, its box against the picture so far: one that may be seen is projected, its objects are
 //! drawn, its neighbours join the front; one that is hidden stays behind. It ends when no cell of the front may be seen.
 //!
 //! **Exact.** Follow the ray of a sample to what is drawn there. Its cells touch one after the other, all of them are in the frustum
-//! and hold the sample; the first is one that the view begins in. As long as the thing is not drawn, the buffer is farther
+//! and hold the sample; the first is one that the view begins in. As long as the thing is not drawn, the picture is farther
 //! at the sample than it, and so than every cell before it: none of them is hidden, and the front goes through them all. Two
 //! things need care. A sample may be drawn beside a triangle, by half a subpixel that snapping moved it, and there as near
 //! as the triangle's nearest corner: its object may then be in no cell that the ray passes. And cells do not hold what has no
@@ -15,8 +15,10 @@
 //! **Not as in the gem.** Its item buffer lets a farther box overwrite a nearer one, which then leaves the front for good, and knows 256
 //! nodes. Queries of our own have neither fault. They also need no passes: what is drawn only comes nearer, so what was hidden stays
 //! hidden and need not be asked again; cells are asked one by one, each against all that was drawn before. Nor do they need active tiles,
-//! which save reading back parts of the screen: no query reads more than its own box. Objects of a seen cell are drawn
-//! unless their own box is hidden.
+//! which save reading back parts of the screen: no query reads more than its own box. Objects, those of the guess too, are drawn unless
+//! their own box is hidden. As with `hzb` the final draw is the occluder rendering: nothing is drawn twice.
+//!
+//! **Cost**: that of `plp`'s guess, a query for each cell of the front and each object of a seen one, and the draw. One thread.
 
 use homcull_simd::{Kernel, Simd};
 
@@ -24,50 +26,43 @@ use super::VisibleSet;
 use super::front::CellState;
 use super::plp::PlpFrame;
 use super::plp_parameters::PlpParameters;
+use super::query_device::Drawing;
 use super::vfc::World;
+use crate::draw::{BandDraw, Canvas, clear, shade};
 use crate::error::Result;
-use crate::occlusion::{
-    AtOnce, BoxView, DepthReading, OccluderSink, OcclusionBuffer, OcclusionSettings, PlacedRows, test_box,
-};
-use crate::raster::{Engine, Queues, RasterCounts};
+use crate::occlusion::{BoxView, PlacedRows};
+use crate::raster::{Engine, RasterCounts};
 use crate::view::View;
 
 impl PlpFrame {
-    /// The visible set of `cplp`, nearest first: the picture is that of everything in the frustum.
+    /// Culls and draws a frame of `cplp`: the picture is that of everything in the frustum. The objects of the set, nearest first, have
+    /// been drawn.
     ///
     /// # Errors
-    /// Those of [`PlpParameters::check_conservative`] and [`OcclusionBuffer::with_level`].
-    pub fn cplp(&mut self, world: &World<'_>, view: &View, parameters: &PlpParameters) -> Result<VisibleSet> {
+    /// Those of [`PlpParameters::check_conservative`]; [`Error::View`](crate::error::Error::View) when the view and the canvas differ in
+    /// size.
+    pub fn cplp(
+        &mut self,
+        world: &World<'_>,
+        view: &View,
+        parameters: &PlpParameters,
+        canvas: &mut Canvas,
+    ) -> Result<VisibleSet> {
         parameters.check_conservative()?;
-        let mut buffer = match self.buffer.take().filter(|(viewport, _)| *viewport == view.viewport()) {
-            Some((_, buffer)) => buffer,
-            None => OcclusionBuffer::with_level(view.viewport(), self.level, OcclusionSettings::default())?,
-        };
-        buffer.begin(view)?;
+        let level = canvas.level();
+        let mut bands = canvas.bands(view, 1)?;
+        let Some(band) = bands.pop() else { return Ok(VisibleSet::default()) };
         self.begin(world, view, parameters);
-        self.guess(world, parameters.budget);
+        self.guess(world, view, parameters.budget);
+        self.begin_front(view, world.scene.origin);
+        // The guess, nearest first.
+        self.pending.append(&mut self.taken);
+        self.pending.sort_unstable();
         let box_view = world.box_view(view);
-        let reading = buffer.reading();
-        let OcclusionSettings { no_sample_is_hidden, cluster_test, .. } = *buffer.settings();
-        let (level, sink, queues, counts) = buffer.parts();
-        let walk = Walk {
-            world,
-            view,
-            box_view: &box_view,
-            reading,
-            no_sample_is_hidden,
-            cluster_test,
-            sink,
-            queues,
-            counts,
-            frame: self,
-        };
-        let queries = level.run(walk);
-        let occluder_triangles = buffer.counts().triangles;
-        self.buffer = Some((view.viewport(), buffer));
+        let queries = level.run(Walk { world, view, box_view: &box_view, band, frame: self });
         let set = self.set(world);
         let triangles_hidden = set.triangles_in_frustum - world.triangles(&set.objects);
-        Ok(VisibleSet { queries, triangles_hidden, occluder_triangles, ..set })
+        Ok(VisibleSet { queries, triangles_hidden, ..set })
     }
 
     /// Objects of the last frame's visible set that no projected cell held: see the module's head.
@@ -77,49 +72,36 @@ impl PlpFrame {
     }
 }
 
-struct Walk<'a, 'w, 'r> {
+struct Walk<'a, 'w> {
     world: &'a World<'w>,
     view: &'a View,
     box_view: &'a BoxView,
-    reading: DepthReading,
-    no_sample_is_hidden: bool,
-    cluster_test: bool,
-    sink: OccluderSink<'r>,
-    queues: &'a mut Queues,
-    counts: &'a mut RasterCounts,
+    band: BandDraw<'a>,
     frame: &'a mut PlpFrame,
 }
 
-impl Kernel for Walk<'_, '_, '_> {
+impl Kernel for Walk<'_, '_> {
     /// Queries of cells and objects.
     type Output = u64;
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) -> u64 {
-        let Walk { world, view, box_view, reading, no_sample_is_hidden, cluster_test, .. } = self;
-        let Walk { sink, queues, counts, frame, .. } = self;
+        let Walk { world, view, box_view, band: BandDraw { mut sink, queues, image }, frame } = self;
         let (scene, cells) = (world.scene, frame.cells.clone());
-        let mut engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test };
-        let mut placed = PlacedRows::new(view);
+        clear(&mut sink);
+        let engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };
+        let mut drawing = Drawing { engine, placed: PlacedRows::new(view), world, box_view, threshold: 0 };
         let mut queries = 0;
         let (mut seen, mut last) = (None, false);
-        begin_with_guess(frame);
         loop {
             for i in 0..frame.pending.len() {
                 let place = frame.pending[i];
                 let b = frame.objects.boxes()[place as usize];
                 frame.met[place as usize] = true;
                 queries += 1;
-                let state = AtOnce { map: engine.sink.view(), reading };
-                let hidden: bool = test_box(s, &state, box_view, &b, &scene.bounds, no_sample_is_hidden);
-                if hidden {
-                    continue;
-                }
-                frame.taken.push(place);
-                let occluder = &scene.occluders[b.id() as usize];
-                if occluder.opaque {
-                    engine.draw(&scene.meshes, &placed.placement(occluder));
-                    engine.flush();
+                if drawing.visible_samples(b, &scene.bounds) > 0 {
+                    frame.taken.push(place);
+                    drawing.draw(b.id());
                 }
             }
             if let Some(cell) = seen.take() {
@@ -129,12 +111,10 @@ impl Kernel for Walk<'_, '_, '_> {
                 let Some(cell) = frame.next() else { break };
                 let b = frame.cell_boxes.boxes()[frame.cell_places[cell as usize] as usize];
                 queries += 1;
-                let state = AtOnce { map: engine.sink.view(), reading };
-                let hidden: bool = test_box(s, &state, box_view, &b, &cells.bounds, no_sample_is_hidden);
-                if hidden {
-                    frame.front.set_state(cell, CellState::Unseen);
-                } else {
+                if drawing.visible_samples(b, &cells.bounds) > 0 {
                     seen = Some(cell);
+                } else {
+                    frame.front.set_state(cell, CellState::Unseen);
                 }
             }
             match seen {
@@ -147,16 +127,10 @@ impl Kernel for Walk<'_, '_, '_> {
             }
         }
         frame.strays = frame.taken.len() - frame.strays;
-        *counts += engine.counts;
+        drawing.engine.flush();
+        shade(s, &drawing.engine.sink, &scene.colors, image);
         queries
     }
-}
-
-/// The objects of the guess, nearest first.
-fn begin_with_guess(frame: &mut PlpFrame) {
-    frame.pending.clear();
-    frame.pending.append(&mut frame.taken);
-    frame.pending.sort_unstable();
 }
 
 /// The objects that were not met, nearest first; from here on what is taken is a stray.

@@ -76,14 +76,14 @@ pub fn methods() -> &'static [MethodDescription] {
             name: "plp",
             source: "Correa, Klosowski and Silva 2002; Klosowski and Silva 2000",
             guarantee: "approximate: what the budget does not reach is missing",
-            parameters: "budget=140000 (triangles), heuristic=layer|solidity, cells=octree|bvh, leaf=1000 (triangles of an octree's leaf)",
+            parameters: "budget=140000 (triangles), heuristic=solidity|layer, cells=octree|bvh, leaf=16000 (triangles of an octree's leaf)",
             when: "a frame may take so long and no longer, and some pixels may be wrong",
         },
         MethodDescription {
             name: "cplp",
             source: "Correa, Klosowski and Silva 2002, with a query for each node",
             guarantee: "conservative",
-            parameters: "budget=140000 (triangles of the first guess), heuristic=layer|solidity, leaf=1000",
+            parameters: "budget=140000 (triangles of the first guess), heuristic=solidity|layer, leaf=16000",
             when: "now and then, the view that plp has without its wrong pixels; slower than vfc on the plant",
         },
         MethodDescription {

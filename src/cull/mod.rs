@@ -4,6 +4,7 @@
 //! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`plp`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
+mod accumulated_solidity;
 mod assumption;
 pub mod chc;
 pub mod coherent;

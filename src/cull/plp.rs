@@ -1,39 +1,59 @@
 //! Prioritized-layered projection (Correa, Klosowski and Silva 2002, *Fast and simple occlusion culling*; Klosowski and Silva 2000).
 //!
-//! A front of cells grows away from where the view begins. The cell most likely to be visible leaves it and is *projected*: its
-//! objects join the visible set, its neighbours the front; until a budget of triangles is spent. What is left out is not
-//! known to be hidden: the set is **approximate**, the front only its best guess. Beside the gem:
+//! A front of cells grows away from where the view begins. A cell that leaves it is *projected*: its objects are looked at, its neighbours
+//! join the front; until a budget of triangles is spent. What is left out is not known to be hidden: the set is
+//! **approximate**, the front only its best guess. Two heuristics say what the budget is spent on:
+//!
+//! * **Layer** (the gem's): the cell of the fewest layers is next, and all of its objects are taken.
+//! * **Accumulated solidity** (after Klosowski and Silva 2000): the nearest cell is next, and is asked how much of its rectangle the objects met
+//!   before leave open (`accumulated_solidity.rs`). One of which less than a thousandth is expected to show waits. Of the objects met, those with
+//!
+//! ```text
+//! samples that are expected to show it / its triangles
+//! ```
+//!
+//!   the greatest are taken, as far as the budget goes; if it goes further, the cells that waited follow, in the same way.
+//!
+//! Why: on the plant (12.7 million triangles, 10 frames) the visible objects have 191,000 triangles, of which 5,800 show. A budget of 140,000
+//! could get 98.7 percent of the pixels right; layers get 79 to 88, by their leaves' size, as two thirds of what they take is near,
+//! large and hidden. Least solidity alone, or with the gain, runs off through open space.
+//!
+//! Beside the gem:
 //!
 //! * The view begins in every cell that touches the near plane in the frustum. If the eye lies outside the octree, it also begins in all
 //!   cells of the frustum at those sides of the whole that face the eye: a ray enters the octree through one of them or not
 //!   at all. (The gem begins in the one cell nearest to the eye, and stops dead if that and its neighbours are not in the
 //!   frustum.) An orthographic view begins at all sides.
 //! * Cells and objects outside the frustum, or whose rectangle holds no sample, take nothing of the budget.
-//! * The set is of objects, each counted once, with all of its triangles. The first is always taken; the walk ends before the
-//!   budget would be passed.
+//! * The set is of objects, each counted once, with all of its triangles: subdivide those that are large (`plant:split=100`). The first is always
+//!   taken; the walk ends before the budget would be passed.
 //! * Leaves of the hierarchy do not fill space: where their front runs dry, it begins anew in the nearest cell not met.
 //!
 //! **Cost**: all cells and objects in the frustum are projected onto the screen, 16 at a time; then a few dozen nanoseconds for
-//! each projected cell's neighbour. Nothing is drawn. See `cplp.rs` for the conservative version.
+//! each projected cell's neighbour, and with accumulated solidity some tenth of a microsecond an object. Nothing is drawn. See
+//! `cplp.rs` for the conservative version.
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use homcull_simd::Level;
 
 use super::VisibleSet;
-use super::front::{CellState, Front, Sight};
+use super::accumulated_solidity::AccumulatedSolidity;
+use super::front::{CellState, Front};
 use super::plp_cells::{PlpCells, Unmet};
-use super::plp_parameters::PlpParameters;
+use super::plp_parameters::{Heuristic, PlpParameters};
 use super::vfc::World;
 use crate::geometry::Aabb;
-use crate::occlusion::{OcclusionBuffer, Project, ProjectedBox, ProjectedBoxes};
-use crate::view::{View, Viewport};
+use crate::occlusion::{Project, ProjectedBox, ProjectedBoxes};
+use crate::view::View;
 
 /// In lists of places: not in the frustum.
 const NOWHERE: u32 = u32::MAX;
 /// An eye nearer to a side than this part of the octree counts as beyond it.
 const SIDE_SLACK: f64 = 1e-4;
+/// A cell of whose samples less than this share is expected to be open waits.
+const OPEN: f32 = 1e-3;
 
 /// What `plp` and `cplp` keep from frame to frame: the cells, and working memory. Frames may change between the two, and
 /// between parameters; what a frame finds does not depend on those before.
@@ -54,12 +74,16 @@ pub struct PlpFrame {
     pub(super) taken: Vec<u32>,
     /// Places of the objects to be looked at next.
     pub(super) pending: Vec<u32>,
+    heuristic: Heuristic,
+    solidity: AccumulatedSolidity,
+    /// Objects met and not taken yet, with what each triangle is expected to show, in samples.
+    candidates: Vec<(f32, u32)>,
+    /// Cells that wait, as little of them is expected to show.
+    waiting: Vec<u32>,
     /// The first cell, by place, that may be seeded when the front is dry.
     next_seed: usize,
     stack: Vec<(u32, u8)>,
     neighbours: Vec<u32>,
-    /// What cPLP asks, with its size.
-    pub(super) buffer: Option<(Viewport, OcclusionBuffer)>,
     pub(super) strays: usize,
 }
 
@@ -69,7 +93,7 @@ impl PlpFrame {
         PlpFrame {
             level,
             cells,
-            front: Front::new(),
+            front: Front::default(),
             unmet: Unmet::default(),
             cell_boxes: ProjectedBoxes::new(),
             cell_places: Vec::new(),
@@ -78,10 +102,13 @@ impl PlpFrame {
             met: Vec::new(),
             taken: Vec::new(),
             pending: Vec::new(),
+            heuristic: Heuristic::default(),
+            solidity: AccumulatedSolidity::default(),
+            candidates: Vec::new(),
+            waiting: Vec::new(),
             next_seed: 0,
             stack: Vec::new(),
             neighbours: Vec::new(),
-            buffer: None,
             strays: 0,
         }
     }
@@ -99,7 +126,7 @@ impl PlpFrame {
     /// The visible set of `plp`, nearest first.
     pub fn plp(&mut self, world: &World<'_>, view: &View, parameters: &PlpParameters) -> VisibleSet {
         self.begin(world, view, parameters);
-        self.guess(world, parameters.budget);
+        self.guess(world, view, parameters.budget);
         self.set(world)
     }
 
@@ -110,20 +137,25 @@ impl PlpFrame {
         }
         let box_view = world.box_view(view);
         world.collect(self.level, view, true, &mut self.stack, &mut self.objects);
-        let cells = self.cells.clone();
-        self.level.run(Project { view: &box_view, set: &cells.boxes, out: &mut self.cell_boxes });
+        self.level.run(Project { view: &box_view, set: &self.cells.boxes, out: &mut self.cell_boxes });
         self.cell_boxes.sort();
         places(&self.objects, world.scene.bounds.len(), &mut self.object_places);
-        places(&self.cell_boxes, cells.len(), &mut self.cell_places);
+        places(&self.cell_boxes, self.cells.len(), &mut self.cell_places);
+        self.heuristic = parameters.heuristic;
+        self.taken.clear();
+        self.begin_front(view, world.scene.origin);
+    }
+
+    /// The front where the view begins, nothing met.
+    pub(super) fn begin_front(&mut self, view: &View, origin: DVec3) {
+        let cells = self.cells.clone();
         self.met.clear();
         self.met.resize(self.objects.len(), false);
-        self.taken.clear();
         self.pending.clear();
         (self.next_seed, self.strays) = (0, 0);
         cells.begin(&mut self.unmet);
-        let sight = sight(view, world.scene.origin);
-        self.front.begin(cells.len(), parameters.heuristic, sight);
-        let facing = cells.octree().map_or(0, |octree| facing_sides(octree.cube(), sight));
+        self.front.begin(cells.len());
+        let facing = cells.octree().map_or(0, |octree| facing_sides(octree.cube(), eye(view, origin)));
         for place in 0..self.cell_boxes.len() {
             let b = self.cell_boxes.boxes()[place];
             let at_side = |octree: &crate::scene::Octree| octree.boundary(b.id()) & facing != 0;
@@ -133,14 +165,18 @@ impl PlpFrame {
         }
     }
 
+    /// A cell that the view begins in, or begins anew in.
     fn seed(&mut self, cell: u32) {
         self.cells.meet(cell, &mut self.unmet);
-        self.front.seed(cell);
-        self.front.push(cell);
+        let rank = match self.heuristic {
+            Heuristic::Layer => 0,
+            Heuristic::Solidity => self.cell_places[cell as usize],
+        };
+        self.front.push(cell, rank);
     }
 
     /// Takes objects until the budget is spent or the front is empty.
-    pub(super) fn guess(&mut self, world: &World<'_>, budget: u64) {
+    pub(super) fn guess(&mut self, world: &World<'_>, view: &View, budget: u64) {
         let mut left = Budget { triangles: budget, any: false };
         // What has no box is in no cell.
         let unbounded = world.tree.unbounded.iter().map(|&id| self.object_places[id as usize]);
@@ -148,13 +184,67 @@ impl PlpFrame {
         if !self.take_pending(world, &mut left) {
             return;
         }
+        match self.heuristic {
+            Heuristic::Layer => self.guess_by_layers(world, &mut left),
+            Heuristic::Solidity => self.guess_by_solidity(world, view, &mut left),
+        }
+    }
+
+    fn guess_by_layers(&mut self, world: &World<'_>, left: &mut Budget) {
         while let Some(cell) = self.next() {
             self.gather(cell);
-            if !self.take_pending(world, &mut left) {
-                self.front.put_back(cell);
+            if !self.take_pending(world, left) {
                 return;
             }
             self.project(cell);
+        }
+    }
+
+    fn guess_by_solidity(&mut self, world: &World<'_>, view: &View, left: &mut Budget) {
+        self.solidity.begin(view, world.scene.origin);
+        self.candidates.clear();
+        self.waiting.clear();
+        for may_wait in [true, false] {
+            while let Some(cell) = self.next() {
+                if may_wait && self.is_closed(cell) {
+                    self.waiting.push(cell);
+                    continue;
+                }
+                self.gather(cell);
+                self.weigh_pending(world);
+                self.project(cell);
+            }
+            self.candidates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            self.pending.clear();
+            self.pending.extend(self.candidates.drain(..).map(|(_, place)| place));
+            if !self.take_pending(world, left) {
+                return;
+            }
+            for cell in self.waiting.drain(..) {
+                self.front.put_back(cell);
+            }
+        }
+    }
+
+    /// Whether next to nothing of a cell is expected to show.
+    fn is_closed(&self, cell: u32) -> bool {
+        let b = &self.cell_boxes.boxes()[self.cell_places[cell as usize] as usize];
+        !b.touches_near_plane() && self.solidity.open_samples(b) < OPEN * self.solidity.samples(b)
+    }
+
+    /// What is pending becomes candidates, and stands before what comes.
+    fn weigh_pending(&mut self, world: &World<'_>) {
+        let scene = world.scene;
+        for i in 0..self.pending.len() {
+            let place = self.pending[i];
+            let b = self.objects.boxes()[place as usize];
+            let object = b.id();
+            self.met[place as usize] = true;
+            let expected = self.solidity.expect(&b, scene.bounds[object as usize], self.cells.areas[object as usize]);
+            self.candidates.push((expected.samples / scene.triangles(object).max(1) as f32, place));
+            if scene.occluders[object as usize].opaque {
+                self.solidity.add(&b, expected);
+            }
         }
     }
 
@@ -202,26 +292,26 @@ impl PlpFrame {
         self.pending.sort_unstable();
     }
 
-    /// A cell leaves the front, and its neighbours join it.
+    /// A cell's neighbours join the front that it left.
     pub(super) fn project(&mut self, cell: u32) {
-        let PlpFrame { cells, front, unmet, cell_boxes, cell_places, neighbours, .. } = self;
+        let PlpFrame { cells, front, unmet, cell_boxes, cell_places, neighbours, heuristic, .. } = self;
         front.set_state(cell, CellState::Projected);
         cells.neighbours(cell, unmet, neighbours);
-        let (bounds, shares) = (cells.bounds[cell as usize], &cells.solidity[cell as usize]);
         for &to in neighbours.iter() {
-            match front.state(to) {
-                CellState::Projected | CellState::Unseen => continue,
-                CellState::Enqueued => {}
-                CellState::Clean => {
-                    cells.meet(to, unmet);
-                    let place = cell_places[to as usize];
-                    if place == NOWHERE || !shows(&cell_boxes.boxes()[place as usize]) {
-                        front.set_state(to, CellState::Unseen);
-                        continue;
-                    }
-                }
+            if front.state(to) != CellState::Clean {
+                continue;
             }
-            front.reach(cell, shares, bounds, to, cells.bounds[to as usize]);
+            cells.meet(to, unmet);
+            let place = cell_places[to as usize];
+            if place == NOWHERE || !shows(&cell_boxes.boxes()[place as usize]) {
+                front.set_state(to, CellState::Unseen);
+                continue;
+            }
+            let rank = match heuristic {
+                Heuristic::Layer => front.rank(cell) + 1,
+                Heuristic::Solidity => place,
+            };
+            front.push(to, rank);
         }
     }
 
@@ -269,21 +359,15 @@ fn places(boxes: &ProjectedBoxes, n: usize, out: &mut Vec<u32>) {
     }
 }
 
-/// Where the view looks from, about the scene's origin.
-fn sight(view: &View, origin: DVec3) -> Sight {
-    match view.projection_center() {
-        Some(center) => Sight::Eye((view.eye() - origin + center).as_vec3()),
-        // Depth falls along the view.
-        None => Sight::Parallel((-view.rows()[3].truncate().as_vec3()).normalize_or_zero()),
-    }
+/// Where a perspective view looks from, about the scene's origin.
+fn eye(view: &View, origin: DVec3) -> Option<Vec3> {
+    view.projection_center().map(|center| (view.eye() - origin + center).as_vec3())
 }
 
 /// The sides of a box that rays of the view may enter through, as [`Octree::boundary`](crate::scene::Octree::boundary) numbers them.
-fn facing_sides(whole: Aabb, sight: Sight) -> u8 {
-    let eye = match sight {
-        Sight::Eye(eye) if eye.is_finite() => eye.as_dvec3(),
-        Sight::Eye(_) | Sight::Parallel(_) => return !0,
-    };
+fn facing_sides(whole: Aabb, eye: Option<Vec3>) -> u8 {
+    let Some(eye) = eye.filter(|eye| eye.is_finite()) else { return !0 };
+    let eye = eye.as_dvec3();
     let slack = f64::from(whole.size().max_element()) * SIDE_SLACK + eye.abs().max_element() * 1e-6;
     (0..3).fold(0, |sides, axis| {
         let below = eye[axis] <= f64::from(whole.min[axis]) + slack;

@@ -6,9 +6,11 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use crate::geometry::Aabb;
 use crate::occlusion::BoxSet;
-use crate::scene::{BoxCoverage, Hierarchy, Octree, OctreeLimits, PlacedTriangles, PreparedScene};
+use crate::scene::{Hierarchy, Octree, OctreeLimits, PreparedScene, shown_areas};
 
 use super::plp_parameters::{CellKind, PlpParameters};
 
@@ -18,8 +20,8 @@ pub struct PlpCells {
     pub(super) bounds: Vec<Aabb>,
     /// The same boxes, ready to be projected.
     pub(super) boxes: BoxSet,
-    /// Covered shares of each cell's faces along each axis.
-    pub(super) solidity: Vec<[f32; 3]>,
+    /// The area that each object shows along each axis.
+    pub(super) areas: Vec<Vec3>,
     partition: Partition,
     /// [`PreparedScene::hash`] of the scene.
     scene: u64,
@@ -55,20 +57,19 @@ pub(super) struct Unmet {
 impl PlpCells {
     /// Makes the cells that the parameters ask for. A second or more for ten million triangles.
     pub fn new(scene: &PreparedScene, parameters: &PlpParameters) -> PlpCells {
-        let (bounds, solidity, partition) = match parameters.cells {
+        let (bounds, partition) = match parameters.cells {
             CellKind::Octree => {
                 let limits = limits(parameters);
                 let octree = Octree::build(scene, &limits);
-                (octree.bounds().to_vec(), octree.solidity().to_vec(), Partition::Octree { octree, limits })
+                (octree.bounds().to_vec(), Partition::Octree { octree, limits })
             }
             CellKind::Bvh => {
                 let leaves = Leaves::new(scene);
                 let bounds: Vec<Aabb> = leaves.nodes.iter().map(|&n| leaves.tree.nodes[n as usize].bounds).collect();
-                let solidity = leaves.solidity(scene);
-                (bounds, solidity, Partition::Leaves(leaves))
+                (bounds, Partition::Leaves(leaves))
             }
         };
-        PlpCells { boxes: BoxSet::new(&bounds), bounds, solidity, partition, scene: scene.hash }
+        PlpCells { boxes: BoxSet::new(&bounds), bounds, areas: shown_areas(scene), partition, scene: scene.hash }
     }
 
     /// Whether these are the cells of that scene under those parameters.
@@ -183,19 +184,6 @@ impl Leaves {
                 unmet.stack.extend([node.first + 1, node.first]);
             }
         }
-    }
-
-    fn solidity(&self, scene: &PreparedScene) -> Vec<[f32; 3]> {
-        let mut triangles = PlacedTriangles::new(scene);
-        let of_cell = |cell: u32| {
-            let mut coverage = BoxCoverage::new(self.tree.nodes[self.nodes[cell as usize] as usize].bounds);
-            for &object in self.objects(cell).iter().filter(|&&o| scene.occluders[o as usize].opaque) {
-                triangles.load(object);
-                (0..scene.triangles(object)).for_each(|t| coverage.add(&triangles.get(object, t)));
-            }
-            coverage.shares()
-        };
-        (0..self.nodes.len() as u32).map(of_cell).collect()
     }
 }
 

@@ -10,10 +10,11 @@ pub const DEFAULT_BUDGET: u64 = 140_000;
 /// What decides which cell of the front is projected next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Heuristic {
-    /// The fewest layers of cells from where the view begins (Correa, Klosowski and Silva 2002): shows more, as measured.
-    #[default]
+    /// The fewest layers of cells from where the view begins (Correa, Klosowski and Silva 2002).
     Layer,
-    /// The least accumulated solidity (Klosowski and Silva 2000).
+    /// The nearest cell, as long as the accumulated solidity before it lets it show; then the objects that are expected to show most
+    /// samples a triangle (after Klosowski and Silva 2000): shows more than layers, as measured.
+    #[default]
     Solidity,
 }
 

@@ -14,6 +14,7 @@ use homcull_simd::{Kernel, Simd};
 use super::nearest_first::Waiting;
 use super::vfc::World;
 use crate::draw::DrawSink;
+use crate::geometry::Aabb;
 use crate::occlusion::{AtOnce, BoxView, DepthReading, PlacedRows, ProjectedBox, test_box};
 use crate::raster::Engine;
 
@@ -88,7 +89,19 @@ impl<S: Simd> Drawing<'_, '_, '_, S> {
     /// Visible samples of a node, exact up to one more than the threshold.
     #[inline(always)]
     pub fn answer(&mut self, query: Query) -> u32 {
-        self.engine.simd.vectorize(AnswerQuery(self, query))
+        let (scene, tree) = (self.world.scene, &self.world.tree);
+        match query.group {
+            Some(group) => {
+                self.visible_samples(query.b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize]))
+            }
+            None => self.visible_samples(query.b, &scene.bounds),
+        }
+    }
+
+    /// Visible samples of a box, exact up to one more than the threshold; its number is its place among `bounds`.
+    #[inline(always)]
+    pub fn visible_samples(&mut self, b: ProjectedBox, bounds: &[Aabb]) -> u32 {
+        self.engine.simd.vectorize(AnswerQuery(self, b, bounds))
     }
 }
 
@@ -109,28 +122,24 @@ impl<S: Simd> Kernel for DrawObject<'_, '_, '_, '_, S> {
     }
 }
 
-struct AnswerQuery<'d, 'q, 'a, 'w, S>(&'d mut Drawing<'q, 'a, 'w, S>, Query);
+struct AnswerQuery<'d, 'q, 'a, 'w, S>(&'d mut Drawing<'q, 'a, 'w, S>, ProjectedBox, &'d [Aabb]);
 
 impl<S: Simd> Kernel for AnswerQuery<'_, '_, '_, '_, S> {
     type Output = u32;
 
     #[inline(always)]
     fn run<T: Simd>(self, _: T) -> u32 {
-        let AnswerQuery(drawing, query) = self;
+        let AnswerQuery(drawing, b, bounds) = self;
         drawing.engine.flush();
-        let (scene, tree, s) = (drawing.world.scene, &drawing.world.tree, drawing.engine.simd);
-        let (asked, bounds) = match query.group {
-            Some(group) => (query.b.renumbered(0), std::slice::from_ref(&tree.bounds[group as usize])),
-            None => (query.b, &scene.bounds[..]),
-        };
+        let s = drawing.engine.simd;
         let state = AtOnce { map: drawing.engine.sink.view(), reading: DepthReading::PerSample };
-        if test_box(s, &state, drawing.box_view, &asked, bounds, true) {
+        if test_box(s, &state, drawing.box_view, &b, bounds, true) {
             return 0;
         }
-        if drawing.threshold == 0 || query.b.touches_near_plane() {
+        if drawing.threshold == 0 || b.touches_near_plane() {
             return u32::MAX;
         }
-        state.map.visible_samples(s, query.b.rect(), query.b.depth(), drawing.threshold)
+        state.map.visible_samples(s, b.rect(), b.depth(), drawing.threshold)
     }
 }
 

@@ -135,7 +135,7 @@ impl<'m, 's> State<'m, 's> {
     pub fn draws(&self) -> bool {
         match self {
             State::Composed(stages) => stages.last().is_some_and(|last| last.state.draws()),
-            state => matches!(state, State::Hzb(..) | State::Queries(..)),
+            state => matches!(state, State::Hzb(..) | State::Queries(..) | State::Cplp(..)),
         }
     }
 
@@ -183,7 +183,7 @@ impl<'m, 's> State<'m, 's> {
                 timed(&mut stages.draw, || hzb::draw(world, options.workers, view, p.previous_first, memory, canvas))
             }
             State::Queries(p, memory) => timed(&mut stages.draw, || coherent::draw(world, view, p, memory, canvas)),
-            State::Cplp(p, frame) => timed(&mut stages.cull, || frame.cplp(world, view, p)),
+            State::Cplp(p, frame) => timed(&mut stages.draw, || frame.cplp(world, view, p, canvas)),
             State::Plp(p, frame) => Ok(timed(&mut stages.cull, || frame.plp(world, view, p))),
             State::Pvs(pvs) => Ok(timed(&mut stages.cull, || pvs.cull(world, level, view))),
             State::Vfc(memory) => Ok(timed(&mut stages.cull, || vfc::cull(world, level, view, memory))),

@@ -63,7 +63,7 @@ pub use octree::{DEFAULT_LEAF_TRIANGLES, MAX_OCTREE_DEPTH, Octree, OctreeLimits}
 pub(crate) use placed_triangles::PlacedTriangles;
 pub use prepared::PreparedScene;
 #[cfg(feature = "bvh")]
-pub(crate) use solidity::{BoxCoverage, share_along};
+pub use solidity::shown_areas;
 #[cfg(feature = "cli")]
 pub(crate) use source::path_views;
 #[cfg(feature = "cli")]

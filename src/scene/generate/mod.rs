@@ -13,7 +13,7 @@ mod stock;
 mod teapots;
 mod terrain;
 
-use super::Scene;
+use super::{Scene, Subdivision, subdivide};
 use crate::error::{Error, Result};
 use crate::view::CameraPath;
 
@@ -109,8 +109,9 @@ pub fn generators() -> &'static [Generator] {
     &GENERATORS
 }
 
-/// Generates `NAME[:key=value,...]`, such as `city:seed=7,triangles=1000000`. Keys are `seed` (any u64) and `triangles` (2
-/// to 100,000,000; an even number is met exactly, an odd one by one less, but `teapots` by whole teapots, at least one).
+/// Generates `NAME[:key=value,...]`, such as `city:seed=7,triangles=1000000`. Keys are `seed` (any u64), `triangles` (2
+/// to 100,000,000; an even number is met exactly, an odd one by one less, but `teapots` by whole teapots, at least one), and `split`
+/// (1 to 100,000,000): objects of more triangles are subdivided as those of OBJ files are.
 ///
 /// # Errors
 /// [`Error::Parameter`] naming the generator, key or value that is not known, with those that are.
@@ -120,23 +121,32 @@ pub fn parse(text: &str) -> Result<Generated> {
         let names: Vec<&str> = GENERATORS.iter().map(|g| g.name).collect();
         return Err(Error::parameter("generator", name, format!("is unknown; known are {}", names.join(", "))));
     };
-    let (mut seed, mut triangles) = (generator.seed, generator.triangles);
+    let (mut seed, mut triangles, mut split) = (generator.seed, generator.triangles, None);
     for setting in settings.split(',').filter(|s| !s.is_empty()) {
         let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
         let number = value.parse::<u64>();
         match (key, number) {
             ("seed", Ok(n)) => seed = n,
             ("triangles", Ok(n)) if (2..=MOST_TRIANGLES).contains(&n) => triangles = n,
+            ("split", Ok(n)) if (1..=MOST_TRIANGLES).contains(&n) => split = Some(n as usize),
+            ("split", _) => {
+                let reason = format!("must be a whole number from 1 to {MOST_TRIANGLES}");
+                return Err(Error::parameter("split", value, reason));
+            }
             ("seed", _) => return Err(Error::parameter("seed", value, "must be a whole number from 0 to 2^64 - 1")),
             ("triangles", _) => {
                 let reason = format!("must be a whole number from 2 to {MOST_TRIANGLES}");
                 return Err(Error::parameter("triangles", value, reason));
             }
             _ => {
-                let reason = format!("is not known to the generator '{name}'; known are seed, triangles");
+                let reason = format!("is not known to the generator '{name}'; known are seed, triangles, split");
                 return Err(Error::parameter("key", key, reason));
             }
         }
     }
-    Ok((generator.build)(seed, triangles))
+    let mut generated = (generator.build)(seed, triangles);
+    if let Some(max_triangles) = split {
+        generated.scene = subdivide(generated.scene, &Subdivision { max_triangles, ..Subdivision::default() });
+    }
+    Ok(generated)
 }

@@ -13,7 +13,6 @@ use super::{Cube, LEAF, Lists, MAX_OCTREE_DEPTH, Octree, OctreeLimits};
 use crate::geometry::Aabb;
 use crate::scene::PreparedScene;
 use crate::scene::placed_triangles::PlacedTriangles;
-use crate::scene::solidity::BoxCoverage;
 
 /// Leaves, at most: the octree then stays under half a gigabyte.
 const MOST_LEAVES: usize = 1 << 20;
@@ -211,35 +210,14 @@ impl<'s> Growth<'s> {
             let Some(contents) = contents else { continue };
             let leaf = self.octree.cubes.len() as u32;
             let cube = self.cubes[node];
-            let bounds = self.octree.bounds_of(cube);
             self.octree.nodes[node] = LEAF | leaf;
             self.octree.cubes.push(cube);
-            self.octree.bounds.push(bounds);
+            self.octree.bounds.push(self.octree.bounds_of(cube));
             self.octree.triangles.push(contents.references);
-            let solidity = self.coverage(bounds, &contents);
-            self.octree.solidity.push(solidity);
             self.octree.objects.push(contents.items.iter().map(|i| i.object));
         }
         self.octree.neighbours = neighbours(&self.octree, &self.cubes);
         self.octree
-    }
-
-    fn coverage(&mut self, bounds: Aabb, contents: &Contents) -> [f32; 3] {
-        let (mut coverage, mut listed) = (BoxCoverage::new(bounds), &contents.listed[..]);
-        for item in &contents.items {
-            let whole = item.triangles == WHOLE;
-            let of_item;
-            (of_item, listed) = listed.split_at(if whole { 0 } else { item.triangles as usize });
-            if !self.scene.occluders[item.object as usize].opaque {
-                continue;
-            }
-            let all = 0..if whole { self.scene.triangles(item.object) } else { 0 };
-            self.triangles.load(item.object);
-            for t in of_item.iter().copied().chain(all) {
-                coverage.add(&self.triangles.get(item.object, t));
-            }
-        }
-        coverage.shares()
     }
 }
 
