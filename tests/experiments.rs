@@ -123,6 +123,23 @@ fn distance_fails_in_figure_7_3_and_the_remedies_mend_it() {
 }
 
 #[test]
+fn plp_shows_less_than_the_best_choice_and_cplp_shows_all() {
+    let folder = Folder::new("plp");
+    let value = experiment(&folder, &["plp", "plant:triangles=200000"]);
+    for budget in ["35000", "70000", "140000"] {
+        let of = |with: &[(&str, &str)]| figure(rows(&value, with)[0], "pixels_right");
+        let best = of(&[("method", "best choice"), ("budget", budget)]);
+        let solidity = of(&[("method", "plp"), ("heuristic", "solidity"), ("budget", budget)]);
+        let layer = of(&[("method", "plp"), ("heuristic", "layer"), ("budget", budget)]);
+        assert!(best >= solidity && solidity >= layer, "{budget}: {best}, {solidity}, {layer}");
+    }
+    for row in [rows(&value, &[("method", "cplp")]), rows(&value, &[("method", "vfc")])].concat() {
+        assert_eq!(figure(row, "worst_frame"), 100.0, "{row}");
+    }
+    assert_eq!(value["statements"].as_array().unwrap().len(), 3, "{value:#}");
+}
+
+#[test]
 fn results_are_equal_at_every_number_of_threads() {
     let folder = Folder::new("threads");
     let out = folder.0.to_str().unwrap();

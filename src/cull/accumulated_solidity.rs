@@ -8,24 +8,25 @@
 //! ```text
 //! solidity   rho = min(1, sum |v_i| area_i / sum |v_i| side_i)      v the way in which it is seen, area what it shows along each axis
 //!                                                                    (scene/solidity.rs), side its box's faces
-//! share      s   = rho min(1, samples(box) / samples(R))             of R that it covers; samples(box) = sum |J_i| side_i
+//! share      s   = rho min(1, samples(box) / samples(R'))            of R that it covers; samples(box) = sum |J_i| side_i, R' is R
+//!                                                                    as it would be if the screen did not cut it
 //! expected   E   = s sum over R of open                              samples that are expected to show it
 //! then, in each tile that R meets with the share o:  open *= 1 - s o
 //! ```
 //!
 //! where J is the cross product of the gradients of the screen's x and y at the middle of the box: the samples that a unit of area
 //! takes. The accumulated solidity of a direction is 1 - open: independent coverings multiply. Objects must come nearest first.
-//! What touches the near plane has no rectangle: it may show in all that is open, and hides nothing. Nothing is drawn or
+//! What touches the near plane, or the plane of the eye, has no such rectangle: it may show in all that is open, and hides nothing. Nothing is drawn or
 //! read back. Sums are in one order, in f32 and f64 without fused steps: equal on every machine.
 //!
 //! **Cost**: the tiles under each rectangle, twice.
 
 use std::ops::Range;
 
-use glam::{DVec3, DVec4, Vec3};
+use glam::{BVec3, DVec2, DVec3, DVec4, Vec3};
 
 use crate::geometry::{Aabb, SampleRect};
-use crate::occlusion::{CUT, ProjectedBox};
+use crate::occlusion::{CUT, NEAR, ProjectedBox};
 use crate::view::{View, Viewport};
 
 /// Tiles along each side of the screen: of 32, 64 and 128 none shows more on the plant.
@@ -47,15 +48,6 @@ struct Screen {
     w: DVec4,
     width: i32,
     height: i32,
-}
-
-/// What is expected of an object.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Expected {
-    /// Samples that show it.
-    pub samples: f32,
-    /// The share of its rectangle that it covers; 0 of what touches the near plane.
-    share: f32,
 }
 
 /// The tiles that a rectangle meets, and how much of each column and row of them.
@@ -83,48 +75,50 @@ impl AccumulatedSolidity {
         };
     }
 
-    /// Samples of a box's rectangle that are open; of one that touches the near plane, those of the screen.
-    pub fn open_samples(&self, b: &ProjectedBox) -> f32 {
+    /// The share of a box's rectangle that is open; of one that touches the near plane, that of the screen.
+    pub fn open_share(&self, b: &ProjectedBox) -> f32 {
         let spans = self.spans(b);
-        let row = |y: usize| {
-            let tiles = &self.open[y * SIDE..(y + 1) * SIDE];
-            spans.y[y] * spans.columns.clone().map(|x| spans.x[x] * tiles[x]).sum::<f32>()
-        };
-        let tiles: f32 = spans.rows.clone().map(row).sum();
-        tiles * (self.screen.width as f32 / SIDE as f32) * (self.screen.height as f32 / SIDE as f32)
+        let tiles =
+            spans.x[spans.columns.clone()].iter().sum::<f32>() * spans.y[spans.rows.clone()].iter().sum::<f32>();
+        self.open_tiles(&spans) / tiles
     }
 
-    /// Samples of a box's rectangle; of one that touches the near plane, those of the screen.
-    pub fn samples(&self, b: &ProjectedBox) -> f32 {
-        let r = self.rect(b);
-        ((r.x1 - r.x0 + 1) * (r.y1 - r.y0 + 1)) as f32
-    }
-
-    /// What is expected of an object in a box that shows these areas along the axes.
-    pub fn expect(&self, b: &ProjectedBox, bounds: Aabb, areas: Vec3) -> Expected {
+    /// Samples that are expected to show an object in a box, which shows these areas along the axes. If it is opaque, it stands before all
+    /// that comes.
+    pub fn meet(&mut self, b: &ProjectedBox, bounds: Aabb, areas: Vec3, opaque: bool) -> f32 {
         let size = bounds.size().as_dvec3();
         let sides = DVec3::new(size.y * size.z, size.z * size.x, size.x * size.y);
         let (along, w) = self.screen.direction(bounds.center());
         let of_box = along.dot(sides);
         let rho = chance(along.dot(areas.as_dvec3()) / of_box);
-        let open = self.open_samples(b);
-        if b.touches_near_plane() {
-            return Expected { samples: rho * open, share: 0.0 };
+        let spans = self.spans(b);
+        let open = self.open_tiles(&spans) * self.screen.samples_a_tile();
+        let uncut = match b.tag & (NEAR | CUT) {
+            0 => Some(f64::from(b.x1 - b.x0 + 1) * f64::from(b.y1 - b.y0 + 1)),
+            CUT => self.screen.samples(bounds),
+            _ => None,
+        };
+        let Some(uncut) = uncut else { return rho * open };
+        let share = rho * chance(of_box / (w * w * w).abs() / uncut);
+        if opaque && share > 0.0 {
+            self.close(&spans, share);
         }
-        // Of a box that the screen cuts only a part is in the rectangle.
-        let cut = b.tag & CUT != 0;
-        let filled = if cut { 1.0 } else { chance(of_box / (w * w * w).abs() / f64::from(self.samples(b))) };
-        Expected { samples: rho * filled * open, share: rho * filled }
+        share * open
     }
 
-    /// An object now stands before all that comes.
-    pub fn add(&mut self, b: &ProjectedBox, expected: Expected) {
-        if expected.share == 0.0 {
-            return;
-        }
-        let spans = self.spans(b);
+    fn open_tiles(&self, spans: &Spans) -> f32 {
+        let mut sum = 0.0;
         for y in spans.rows.clone() {
-            let share = expected.share * spans.y[y];
+            let tiles = &self.open[y * SIDE..(y + 1) * SIDE];
+            let row: f32 = spans.columns.clone().map(|x| spans.x[x] * tiles[x]).sum();
+            sum += spans.y[y] * row;
+        }
+        sum
+    }
+
+    fn close(&mut self, spans: &Spans, share: f32) {
+        for y in spans.rows.clone() {
+            let share = share * spans.y[y];
             let tiles = &mut self.open[y * SIDE..(y + 1) * SIDE];
             for x in spans.columns.clone() {
                 tiles[x] *= 1.0 - share * spans.x[x];
@@ -149,6 +143,10 @@ impl AccumulatedSolidity {
 }
 
 impl Screen {
+    fn samples_a_tile(&self) -> f32 {
+        (self.width as f32 / SIDE as f32) * (self.height as f32 / SIDE as f32)
+    }
+
     /// The way in which a point is seen, absolute values by axis, and the point's w: over w^3 it is the samples that a unit of area takes
     /// there, by the axis that it faces.
     fn direction(&self, p: Vec3) -> (DVec3, f64) {
@@ -156,6 +154,22 @@ impl Screen {
         let (x, y, w) = (self.x.dot(p), self.y.dot(p), self.w.dot(p));
         let [a, b, c] = [self.x, self.y, self.w].map(DVec4::truncate);
         ((b.cross(c) * x + c.cross(a) * y + a.cross(b) * w).abs(), w)
+    }
+
+    /// Samples of a box's rectangle on a screen without end; `None` for a box that reaches the plane of the eye.
+    fn samples(&self, bounds: Aabb) -> Option<f64> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for corner in 0..8 {
+            let upper = BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+            let p = Vec3::select(upper, bounds.max, bounds.min).as_dvec3().extend(1.0);
+            let w = self.w.dot(p);
+            if w <= 0.0 {
+                return None;
+            }
+            let at = DVec2::new(self.x.dot(p), self.y.dot(p)) / w;
+            (low, high) = (low.min(at), high.max(at));
+        }
+        Some((high - low).element_product())
     }
 }
 

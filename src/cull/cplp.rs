@@ -53,7 +53,9 @@ impl PlpFrame {
         let mut bands = canvas.bands(view, 1)?;
         let Some(band) = bands.pop() else { return Ok(VisibleSet::default()) };
         self.begin(world, view, parameters);
-        self.guess(world, view, parameters.budget);
+        if parameters.budget > 0 {
+            self.guess(world, view, parameters.budget);
+        }
         self.begin_front(view, world.scene.origin);
         // The guess, nearest first.
         self.pending.append(&mut self.taken);

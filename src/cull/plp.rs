@@ -229,7 +229,7 @@ impl PlpFrame {
     /// Whether next to nothing of a cell is expected to show.
     fn is_closed(&self, cell: u32) -> bool {
         let b = &self.cell_boxes.boxes()[self.cell_places[cell as usize] as usize];
-        !b.touches_near_plane() && self.solidity.open_samples(b) < OPEN * self.solidity.samples(b)
+        !b.touches_near_plane() && self.solidity.open_share(b) < OPEN
     }
 
     /// What is pending becomes candidates, and stands before what comes.
@@ -240,11 +240,9 @@ impl PlpFrame {
             let b = self.objects.boxes()[place as usize];
             let object = b.id();
             self.met[place as usize] = true;
-            let expected = self.solidity.expect(&b, scene.bounds[object as usize], self.cells.areas[object as usize]);
-            self.candidates.push((expected.samples / scene.triangles(object).max(1) as f32, place));
-            if scene.occluders[object as usize].opaque {
-                self.solidity.add(&b, expected);
-            }
+            let (bounds, areas) = (scene.bounds[object as usize], self.cells.areas[object as usize]);
+            let samples = self.solidity.meet(&b, bounds, areas, scene.occluders[object as usize].opaque);
+            self.candidates.push((samples / scene.triangles(object).max(1) as f32, place));
         }
     }
 

@@ -92,7 +92,7 @@ pub struct Curve {
 /// A claim of the thesis, and what was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statement {
-    /// Where the thesis says so.
+    /// Where the thesis says so, or who does.
     pub section: &'static str,
     /// What it says, as a half sentence after "that".
     pub claim: &'static str,

@@ -18,6 +18,7 @@ mod no_occluders;
 mod occluder_limit;
 mod pipeline;
 mod plot;
+mod plp;
 mod redundant_occluders;
 mod threshold;
 mod verdicts;
@@ -64,7 +65,7 @@ pub enum Places {
 }
 
 /// All experiments, those of the thesis in its order, then the other papers'.
-pub static EXPERIMENTS: [Experiment; 11] = [
+pub static EXPERIMENTS: [Experiment; 12] = [
     map_resolution::EXPERIMENT,
     no_occluders::EXPERIMENT,
     deb_resolution::EXPERIMENT,
@@ -76,6 +77,7 @@ pub static EXPERIMENTS: [Experiment; 11] = [
     aggressive::EXPERIMENT,
     pipeline::EXPERIMENT,
     chc::EXPERIMENT,
+    plp::EXPERIMENT,
 ];
 
 /// The plant at a size that loads in a second.
