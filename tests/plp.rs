@@ -72,6 +72,10 @@ fn leaves_know_all_that_touch_them_and_fill_the_cube() {
 
 /// Whether any of a triangle lies in a box: what clipping to its six sides leaves.
 fn clipped_is_there(triangle: [DVec3; 3], min: DVec3, max: DVec3) -> bool {
+    let (low, high) = triangle.iter().fold((triangle[0], triangle[0]), |(l, h), &p| (l.min(p), h.max(p)));
+    if high.cmplt(min).any() || low.cmpgt(max).any() {
+        return false;
+    }
     let mut polygon = triangle.to_vec();
     for axis in 0..3 {
         for (side, sign) in [(min[axis], 1.0), (max[axis], -1.0)] {
@@ -369,8 +373,7 @@ fn cplp_keeps_the_picture_of_the_city_and_the_plant() {
             assert_eq!(run.image_hash, report.runs[0].image_hash, "{scene}: {:?}", run.parameters);
         }
         let drawn = report.runs.iter().map(|run| run.mean(report.pixels()).triangles_drawn).collect::<Vec<_>>();
-        println!("{scene} drawn {drawn:?}");
-        assert!(drawn[1..].iter().all(|&d| d < drawn[0] * 0.8), "{scene}: there is much to cull: {drawn:?}");
+        assert!(drawn[1..].iter().all(|&d| d < drawn[0] * 0.65), "{scene}: there is much to cull: {drawn:?}");
     }
 }
 
@@ -380,7 +383,6 @@ fn solidity_shows_more_than_layers_for_the_same_budget() {
         let of = |heuristic: &str| format!("plp:budget={budget},leaf=4000,heuristic={heuristic}");
         let report = walked(scene, 4, (128, 96), &[&of("solidity"), &of("layer")]);
         let wrong = |i: usize| -> u64 { report.runs[i].frames.iter().filter_map(|f| f.wrong_pixels).sum() };
-        println!("{scene}: {} {}", wrong(0), wrong(1));
         assert!(wrong(0) * 3 < wrong(1) * 2, "{scene}: solidity {}, layer {}", wrong(0), wrong(1));
         let default = Method::parse("plp").unwrap().parameters();
         assert!(default.contains(&("heuristic".into(), "solidity".into())), "the better one is the default");

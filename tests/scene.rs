@@ -273,6 +273,17 @@ fn the_last_object_is_small() {
 }
 
 #[test]
+fn a_generated_scene_is_split_on_demand_and_keeps_its_triangles_and_walk() {
+    let (whole, parts) = (parse("plant:triangles=60000").unwrap(), parse("plant:triangles=60000,split=50").unwrap());
+    let largest =
+        |scene: &Scene| scene.objects.iter().map(|o| scene.meshes[o.mesh as usize].triangles().len()).max().unwrap();
+    assert!(largest(&whole.scene) > 50 && largest(&parts.scene) <= 50);
+    assert_eq!(all_triangles(&whole.scene).len(), all_triangles(&parts.scene).len());
+    assert_eq!((whole.path, whole.scene.name), (parts.path, parts.scene.name));
+    fails_with(parse("plant:split=0"), &["split", "0"]);
+}
+
+#[test]
 fn seeds_give_different_cities() {
     assert_ne!(hash(&parse("city:seed=1").unwrap()), hash(&parse("city:seed=2").unwrap()));
     assert_eq!(hash(&parse("city:seed=1").unwrap()), hash(&parse("city").unwrap()));

@@ -107,23 +107,30 @@ impl AccumulatedSolidity {
     }
 
     fn open_tiles(&self, spans: &Spans) -> f32 {
-        let mut sum = 0.0;
+        // By columns: sums that do not wait for each other.
+        let columns = spans.columns.clone();
+        let mut sums = [0.0; SIDE];
         for y in spans.rows.clone() {
-            let tiles = &self.open[y * SIDE..(y + 1) * SIDE];
-            let row: f32 = spans.columns.clone().map(|x| spans.x[x] * tiles[x]).sum();
-            sum += spans.y[y] * row;
+            let share = spans.y[y];
+            for (sum, open) in sums[columns.clone()].iter_mut().zip(&self.row(y)[columns.clone()]) {
+                *sum += share * open;
+            }
         }
-        sum
+        spans.x[columns.clone()].iter().zip(&sums[columns]).map(|(share, sum)| share * sum).sum()
     }
 
     fn close(&mut self, spans: &Spans, share: f32) {
         for y in spans.rows.clone() {
-            let share = share * spans.y[y];
-            let tiles = &mut self.open[y * SIDE..(y + 1) * SIDE];
-            for x in spans.columns.clone() {
-                tiles[x] *= 1.0 - share * spans.x[x];
+            let (share, columns) = (share * spans.y[y], spans.columns.clone());
+            let row = &mut self.open[y * SIDE..(y + 1) * SIDE];
+            for (open, of_column) in row[columns.clone()].iter_mut().zip(&spans.x[columns]) {
+                *open *= 1.0 - share * of_column;
             }
         }
+    }
+
+    fn row(&self, y: usize) -> &[f32] {
+        &self.open[y * SIDE..(y + 1) * SIDE]
     }
 
     fn rect(&self, b: &ProjectedBox) -> SampleRect {

@@ -84,7 +84,7 @@ pub fn methods() -> &'static [MethodDescription] {
             source: "Correa, Klosowski and Silva 2002, with a query for each node",
             guarantee: "conservative",
             parameters: "budget=140000 (triangles of the first guess), heuristic=solidity|layer, leaf=16000",
-            when: "now and then, the view that plp has without its wrong pixels; slower than vfc on the plant",
+            when: "now and then, the view that plp has without its wrong pixels",
         },
         MethodDescription {
             name: "portals",

@@ -16,7 +16,8 @@
 //!
 //! Why: on the plant (12.7 million triangles, 10 frames) the visible objects have 191,000 triangles, of which 5,800 show. A budget of 140,000
 //! could get 98.7 percent of the pixels right; layers get 79 to 88, by their leaves' size, as two thirds of what they take is near,
-//! large and hidden. Least solidity alone, or with the gain, runs off through open space.
+//! large and hidden; accumulated solidity gets 97. A front that goes for the least solidity first (49), or for the greatest gain (89), runs off
+//! along open rays before what is near has closed them.
 //!
 //! Beside the gem:
 //!
