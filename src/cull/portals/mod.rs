@@ -4,6 +4,7 @@
 //! A region is cut by each portal on its way (`clip=polygon`), or by the rectangle around what is left of it
 //! (`clip=rectangle`, the papers' way). An object is drawn when, of what is in the frustum, the part of its box that lies in a
 //! seen cell meets a region of that cell. Exact for cells whose walls have no cracks: the promise of [`Cells`].
+//! Cells come with the scene, or are found in it ([`find_cells`]).
 //!
 //! Invariants. A region that arrives in a cell and lies in one that was there before ends there, which ends cycles too: on its way
 //! round a region only shrinks. A cell keeps a few regions; of more it keeps the rectangle around them in whole samples, so
@@ -93,7 +94,7 @@ impl PortalParameters {
 
 /// The covered part of the faces between found cells under which they are not worth walking.
 const WORTHWHILE: f64 = 0.05;
-/// Regions that a cell keeps apart.
+/// Regions that a cell keeps apart. On oa_thor, whose found cells have many small portals, 24 leave a sixth fewer objects than 8.
 const REGIONS: usize = 24;
 const NONE: u32 = u32::MAX;
 
