@@ -9,8 +9,8 @@
 //! at the sample than it, and so than every cell before it: none of them is hidden, and the front goes through them all. Two
 //! things need care. A sample may be drawn beside a triangle, by half a subpixel that snapping moved it, and there as near
 //! as the triangle's nearest corner: its object may then be in no cell that the ray passes. And cells do not hold what has no
-//! box. So at the end the objects in the frustum that no seen cell held, the *strays*, are asked about by their own
-//! boxes. With that the set is conservative whatever the cells are.
+//! box. So at the end the hierarchy is asked from the root down, group by group, for objects that no seen cell held, the *strays*.
+//! With that the set is conservative whatever the cells are.
 //!
 //! **Not as in the gem.** Its item buffer lets a farther box overwrite a nearer one, which then leaves the front for good, and knows 256
 //! nodes. Queries of our own have neither fault. They also need no passes: what is drawn only comes nearer, so what was hidden stays
@@ -18,19 +18,21 @@
 //! which save reading back parts of the screen: no query reads more than its own box. Objects, those of the guess too, are drawn unless
 //! their own box is hidden. As with `hzb` the final draw is the occluder rendering: nothing is drawn twice.
 //!
-//! **Cost**: that of `plp`'s guess, a query for each cell of the front and each object of a seen one, and the draw. One thread.
+//! **Cost**: that of `plp`'s guess, a query for each cell of the front, each object of a seen one and each group that may be seen, and the
+//! draw. One thread.
 
 use homcull_simd::{Kernel, Simd};
 
 use super::VisibleSet;
 use super::front::CellState;
-use super::plp::PlpFrame;
+use super::nearest_first::{NearestFirst, begin, open_group};
+use super::plp::{NOWHERE, PlpFrame};
 use super::plp_parameters::PlpParameters;
-use super::query_device::Drawing;
+use super::query_device::{Drawing, Query};
 use super::vfc::World;
 use crate::draw::{BandDraw, Canvas, clear, shade};
 use crate::error::Result;
-use crate::occlusion::{BoxView, PlacedRows};
+use crate::occlusion::{BoxView, PlacedRows, ProjectedBoxes};
 use crate::raster::{Engine, RasterCounts};
 use crate::view::View;
 
@@ -94,7 +96,7 @@ impl Kernel for Walk<'_, '_> {
         let engine = Engine { simd: s, sink, queues, counts: RasterCounts::default(), cluster_test: true };
         let mut drawing = Drawing { engine, placed: PlacedRows::new(view), world, box_view, threshold: 0 };
         let mut queries = 0;
-        let (mut seen, mut last) = (None, false);
+        let mut seen = None;
         loop {
             for i in 0..frame.pending.len() {
                 let place = frame.pending[i];
@@ -121,24 +123,37 @@ impl Kernel for Walk<'_, '_> {
             }
             match seen {
                 Some(cell) => frame.gather(cell),
-                None if last => break,
+                None => break,
+            }
+        }
+        let found = frame.taken.len();
+        let mut rest = NearestFirst::default();
+        let mut children = ProjectedBoxes::new();
+        begin(&world.tree, &mut rest);
+        while let Some((_, waiting)) = rest.pop() {
+            let place = match waiting.group {
+                Some(_) => NOWHERE,
+                None => frame.object_places[waiting.b.id() as usize],
+            };
+            if place != NOWHERE && frame.met[place as usize] {
+                continue;
+            }
+            queries += 1;
+            if drawing.answer(Query::of(&waiting)) == 0 {
+                continue;
+            }
+            match waiting.group {
+                Some(group) => open_group(s, box_view, &world.tree, group, &mut children, &mut rest),
+                None if place == NOWHERE => {}
                 None => {
-                    gather_strays(frame);
-                    last = true;
+                    frame.taken.push(place);
+                    drawing.draw(waiting.b.id());
                 }
             }
         }
-        frame.strays = frame.taken.len() - frame.strays;
+        frame.strays = frame.taken.len() - found;
         drawing.engine.flush();
         shade(s, &drawing.engine.sink, &scene.colors, image);
         queries
     }
-}
-
-/// The objects that were not met, nearest first; from here on what is taken is a stray.
-fn gather_strays(frame: &mut PlpFrame) {
-    frame.pending.clear();
-    let unmet = (0..frame.met.len() as u32).filter(|&place| !frame.met[place as usize]);
-    frame.pending.extend(unmet);
-    frame.strays = frame.taken.len();
 }

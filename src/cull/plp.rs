@@ -50,7 +50,7 @@ use crate::occlusion::{Project, ProjectedBox, ProjectedBoxes};
 use crate::view::View;
 
 /// In lists of places: not in the frustum.
-const NOWHERE: u32 = u32::MAX;
+pub(super) const NOWHERE: u32 = u32::MAX;
 /// An eye nearer to a side than this part of the octree counts as beyond it.
 const SIDE_SLACK: f64 = 1e-4;
 /// A cell of whose samples less than this share is expected to be open waits.
@@ -68,7 +68,7 @@ pub struct PlpFrame {
     pub(super) cell_places: Vec<u32>,
     /// Objects in the frustum, likewise.
     pub(super) objects: ProjectedBoxes,
-    object_places: Vec<u32>,
+    pub(super) object_places: Vec<u32>,
     /// By place: objects that were taken, or refused for good.
     pub(super) met: Vec<bool>,
     /// The visible set, by place, in the order in which it was taken.
