@@ -86,6 +86,8 @@ fn entries(scene: &PreparedScene) -> Result<(Vec<Entry>, Vec<String>)> {
             let method = Method::parse(&format!("{}{value}", sweep.method))?;
             match applies(&method, scene) {
                 Ok(()) => entries.push(Entry { sweep, value, method }),
+                // What a stage does not apply to is said of the stage.
+                Err(_) if method.stages().len() > 1 => {}
                 Err(reason) => left_out.push(format!("{} is left out: {reason}", method.name())),
             }
         }
