@@ -32,6 +32,7 @@ pub mod report_target;
 mod runner;
 #[cfg(feature = "bvh")]
 pub mod stability;
+#[cfg(feature = "bvh")]
 mod stage;
 pub mod statistics;
 pub mod table;
