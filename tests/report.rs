@@ -175,7 +175,18 @@ fn the_csv_has_a_row_for_each_method_and_frame() {
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 1 + 5 * 4);
     assert!(lines[0].starts_with("method,parameters,frame,frame_ms,select_ms,"), "{}", lines[0]);
-    assert!(lines[1].starts_with("vfc,,0,") && lines[1].contains(",,"), "{}", lines[1]);
+    assert!(lines[1].starts_with("vfc,,0,"), "{}", lines[1]);
+    let cell = |line: &str, column: &str| {
+        let at = lines[0].split(',').position(|name| name == column).unwrap();
+        line.split(',').nth(at).unwrap().to_owned()
+    };
+    for unknown in ["wrong_pixels", "occsel_waiting_ms", "cull_waiting_ms", "draw_waiting_ms"] {
+        assert_eq!(cell(lines[1], unknown), "", "{unknown} of {}", lines[1]);
+    }
+    assert_ne!(cell(lines[2], "wrong_pixels"), "", "{}", lines[2]);
+    for (column, value) in [("occluder_triangles", "25000"), ("waited_steps", "12"), ("waited_ms", "0.5")] {
+        assert_eq!(cell(lines[1], column), value);
+    }
     assert!(lines[6].starts_with("hom,\"depth=nbz,threshold=1\",1,"), "{}", lines[6]);
 }
 

@@ -61,10 +61,9 @@ pub fn run(scene: &str, options: &Options) -> Result<()> {
         }
     }
     let methods = names.iter().map(|m| Method::parse(m)).collect::<Result<Vec<_>>>()?;
-    let report = walk::walk_setting(&setting, &methods, &options, None)?;
+    let report = walk::walk_prepared(&setting, &prepared, &methods, &options, None)?;
     let accounts: Vec<Account> = report.runs.iter().map(|run| account(&report, run)).collect();
-    let mut advice = advice(&report, &accounts[..=TRIED.len()]);
-    advice.extend(stages_in_front(&report, &accounts));
+    let advice = advice(&report, &accounts);
     if let Some(target) = &options.json {
         let rows = names.iter().zip(&accounts).zip(&report.runs).map(|((name, a), run)| {
             json!({"method": name, "triangles_saved": a.saved, "occluder_triangles": a.spent, "tests": a.tests, "ms": a.ms,
@@ -129,7 +128,7 @@ fn print_table(report: &WalkReport, accounts: &[Account]) {
 
 /// What to use, what to leave out, and why.
 fn advice(report: &WalkReport, accounts: &[Account]) -> Vec<String> {
-    let (vfc, ideal) = (&accounts[0], &accounts[accounts.len() - 1]);
+    let (vfc, ideal) = (&accounts[0], &accounts[TRIED.len()]);
     let in_frustum = report.runs[0].mean(report.pixels()).triangles_in_frustum.max(1.0);
     let hidden = ideal.saved / in_frustum;
     let mut out = vec![format!(
@@ -148,7 +147,7 @@ fn advice(report: &WalkReport, accounts: &[Account]) -> Vec<String> {
     if let Some(i) = best(2..5).filter(|&i| net(&accounts[i]) > 0.0) {
         out.push(verdict("if something else draws it", TRIED[i - 1].0, &accounts[i], in_frustum, vfc));
     }
-    out.extend((1..accounts.len() - 1).filter(|&i| net(&accounts[i]) <= 0.0).map(|i| {
+    out.extend((1..TRIED.len()).filter(|&i| net(&accounts[i]) <= 0.0).map(|i| {
         format!("leave {} out: it draws as many triangles as occluders as it saves, or more", TRIED[i - 1].0)
     }));
     out.extend(report.runs.iter().filter_map(|run| {
@@ -158,6 +157,7 @@ fn advice(report: &WalkReport, accounts: &[Account]) -> Vec<String> {
             format!("{} gave up in {bypassed} of {} frames: they hid too little", run.method, run.frames.len())
         })
     }));
+    out.extend(stages_in_front(report, accounts));
     out
 }
 

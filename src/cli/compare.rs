@@ -105,9 +105,10 @@ pub fn run(scene: &str, options: &Options) -> Result<()> {
         ..options.clone()
     };
     let setting = setting::load(scene, &options, false)?;
-    let (entries, left_out) = entries(&PreparedScene::new(&setting.scene)?)?;
+    let prepared = PreparedScene::new(&setting.scene)?;
+    let (entries, left_out) = entries(&prepared)?;
     let methods: Vec<Method> = entries.iter().map(|entry| entry.method.clone()).collect();
-    let mut report = walk::walk_setting(&setting, &methods, &options, None)?;
+    let mut report = walk::walk_prepared(&setting, &prepared, &methods, &options, None)?;
     for (run, entry) in report.runs.iter_mut().zip(&entries) {
         run.name = Some(entry.written());
     }

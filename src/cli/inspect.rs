@@ -73,7 +73,7 @@ impl InspectedCells {
             return InspectedCells { cells, portals, found: None };
         }
         let start = Instant::now();
-        let found = scene::find_cells(scene);
+        let found = scene.found_cells();
         let seconds = start.elapsed().as_secs_f64();
         let (cells, portals) = (found.cells.cells().len(), found.cells.portals().len());
         InspectedCells { cells, portals, found: Some((found.covered, seconds)) }

@@ -40,22 +40,32 @@ pub fn run(scene: &str, methods: &[String], options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Walks with a progress bar, and writes pictures to `out`.
+/// Prepares a scene and walks with all methods.
 pub fn walk_setting(
     setting: &Setting,
     methods: &[Method],
     options: &Options,
     out: Option<&Path>,
 ) -> Result<WalkReport> {
+    walk_prepared(setting, &PreparedScene::new(&setting.scene)?, methods, options, out)
+}
+
+/// Walks with a progress bar, and writes pictures to `out`.
+pub fn walk_prepared(
+    setting: &Setting,
+    scene: &PreparedScene,
+    methods: &[Method],
+    options: &Options,
+    out: Option<&Path>,
+) -> Result<WalkReport> {
     let level = setting::level(options)?;
     let workers = setting::workers(options, setting::processors())?;
-    let scene = PreparedScene::new(&setting.scene)?;
     let repetitions = options.repetitions.map_or(REPETITIONS, |n| n as usize);
     let walk_options = WalkOptions { level, workers: &workers, repetitions, exact: !options.no_exact };
     let bar = progress::bar(setting.views.len() * methods.len(), "walk", options.quiet);
     let images = options.images.map_or(IMAGES, |n| n as usize);
-    let mut pictures = out.map(|out| Pictures::new(out, setting, &scene, methods, level, images)).transpose()?;
-    let report = walk(&setting.scene.name, &scene, &setting.views, methods, &walk_options, |look| {
+    let mut pictures = out.map(|out| Pictures::new(out, setting, scene, methods, level, images)).transpose()?;
+    let report = walk(&setting.scene.name, scene, &setting.views, methods, &walk_options, |look| {
         bar.inc(1);
         pictures.as_mut().map_or(Ok(()), |p| p.take(look))
     })?;

@@ -133,30 +133,34 @@ impl Kernel for Walk<'_, '_> {
         let mut front = NearestFirst::default();
         begin(tree, &mut front);
         let mut children = ProjectedBoxes::new();
-        let mut shell: Vec<(Waiting, bool)> = Vec::new();
+        let (mut shell, mut seen): (Vec<Waiting>, Vec<Waiting>) = (Vec::new(), Vec::new());
         loop {
             shell.clear();
             front.pop_shell(SHELL, &mut shell);
             if shell.is_empty() {
                 break;
             }
-            for (waiting, hidden) in &mut shell {
-                *hidden = drawing.answer(Query::of(waiting)) == 0;
-            }
             job.queries += shell.len() as u64;
-            for (waiting, hidden) in &shell {
-                let (b, hidden) = (waiting.b, *hidden);
-                match waiting.group {
-                    Some((group, _)) if hidden => job.hidden += world.group_triangles[group as usize],
-                    Some(group) => open_group(s, box_view, tree, group, &mut children, &mut front),
-                    None if hidden => job.hidden += u64::from(scene.triangles(b.id())),
-                    None => {
-                        let id = b.id();
-                        job.visible[id as usize] = true;
-                        if !first.get(id as usize).is_some_and(|&drawn| drawn) {
-                            drawing.draw(id);
-                        }
-                    }
+            seen.clear();
+            for waiting in &shell {
+                if drawing.answer(Query::of(waiting)) > 0 {
+                    seen.push(*waiting);
+                    continue;
+                }
+                job.hidden += match waiting.group {
+                    Some((group, _)) => world.group_triangles[group as usize],
+                    None => u64::from(scene.triangles(waiting.b.id())),
+                };
+            }
+            for waiting in &seen {
+                if let Some(group) = waiting.group {
+                    open_group(s, box_view, tree, group, &mut children, &mut front);
+                    continue;
+                }
+                let id = waiting.b.id();
+                job.visible[id as usize] = true;
+                if !first.get(id as usize).is_some_and(|&drawn| drawn) {
+                    drawing.draw(id);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The culling methods, one file each.
 //!
 //! A method is a *filter*, which looks at a node of the hierarchy and a view ([`frustum`]), and a *driver* at the end,
-//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`plp`], [`ideal`]; [`hzb`] and [`coherent`] draw meanwhile). Stages are plain functions with owned inputs and outputs:
+//! which owns the walk ([`vfc`], [`hom`], [`horizons`], [`portals`], [`plp`], [`pvs`], [`ideal`]; [`hzb`], [`coherent`] and cPLP draw meanwhile). Methods are composed by restricting the [world](vfc::World::restrict_to) to what one left. Stages are plain functions with owned inputs and outputs:
 //! [`hom::select_occluders`] (OccSel), [`hom::cull`] (Cull), and the draw, which takes the visible set.
 
 mod accumulated_solidity;

@@ -43,14 +43,14 @@ impl NearestFirst {
     }
 
     /// Moves the nearest out, and all others at the same distance but for its last `shift` bits.
-    pub fn pop_shell(&mut self, shift: u32, shell: &mut Vec<(Waiting, bool)>) {
+    pub fn pop_shell(&mut self, shift: u32, shell: &mut Vec<Waiting>) {
         let Some((distance, nearest)) = self.pop() else { return };
-        shell.push((nearest, false));
+        shell.push(nearest);
         while let Some(Reverse(key)) = self.heap.peek()
             && ((key >> 32) as u32) >> shift == distance >> shift
             && let Some((_, waiting)) = self.pop()
         {
-            shell.push((waiting, false));
+            shell.push(waiting);
         }
     }
 

@@ -25,7 +25,8 @@ impl<'s> World<'s> {
     /// Builds the hierarchy.
     pub fn new(scene: &'s PreparedScene) -> World<'s> {
         let tree = WideHierarchy::new(&scene.bounds);
-        let group_triangles = tree.sums(|object| u64::from(scene.triangles(object)));
+        let mut group_triangles = Vec::new();
+        tree.sums(|object| u64::from(scene.triangles(object)), &mut group_triangles);
         World { scene, tree, group_triangles, part: None }
     }
 
@@ -49,7 +50,7 @@ impl<'s> World<'s> {
         }
         self.tree.restrict(&whole.tree, part);
         let triangles = |o: u32| if part[o as usize] { u64::from(self.scene.triangles(o)) } else { 0 };
-        self.group_triangles = self.tree.sums(triangles);
+        self.tree.sums(triangles, &mut self.group_triangles);
     }
 
     /// Whether an object takes part.

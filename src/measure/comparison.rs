@@ -95,7 +95,9 @@ impl<'a> Comparison<'a> {
              thresholds, not conservative".to_owned(),
             format!("thesis, {section}: {} over view-frustum culling", claim.text),
         ];
-        for row in self.rows().iter().filter(|row| row.run.method.starts_with("hom")) {
+        let culls =
+            |row: &&Row<'_>| ![super::report::BASELINE, super::report::IDEAL].contains(&row.run.method.as_str());
+        for row in self.rows().iter().filter(culls) {
             let Some(speedup) = row.speedup else { continue };
             lines.push(format!("here, {}: {}", row.name, speedups(claim, &speedup, row.least_speedup(self.report))));
         }

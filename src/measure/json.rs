@@ -8,7 +8,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::report::{FrameRatios, MeanStage, MethodRun, WalkReport};
+use super::report::{FrameRatios, MethodRun, StageCounts, WalkReport};
 use super::report_target::Target;
 use crate::error::Result;
 
@@ -85,7 +85,7 @@ fn method_run(report: &WalkReport, run: &MethodRun) -> Value {
 }
 
 /// A stage of a composed method.
-fn stage(stage: &MeanStage) -> Value {
+fn stage(stage: &StageCounts) -> Value {
     json!({
         "method": stage.method,
         "objects_left": stage.objects_left,

@@ -47,32 +47,20 @@ pub struct PipelineTimes {
     pub draw_waiting: f64,
 }
 
-/// What one stage of a composed method left, and what it cost.
+/// What one stage of a composed method left, and what it cost: in a frame, or on the mean of frames.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StageCounts {
     /// The stage's method.
     pub method: String,
     /// Objects that it left to the next stage, or to be drawn.
-    pub objects_left: u32,
-    /// Their triangles.
-    pub triangles_left: u64,
-    /// Occlusion tests of boxes.
-    pub queries: u64,
-    /// Triangles drawn as occluders.
-    pub occluder_triangles: u64,
-    /// Its time, in milliseconds, with the draw of a stage that draws while it culls.
-    pub ms: f64,
-}
-
-/// What a stage of a composed method left and cost on the mean of frames; as [`StageCounts`].
-#[derive(Debug, Clone, Default, PartialEq)]
-#[allow(missing_docs)]
-pub struct MeanStage {
-    pub method: String,
     pub objects_left: f64,
+    /// Their triangles.
     pub triangles_left: f64,
+    /// Occlusion tests of boxes.
     pub queries: f64,
+    /// Triangles drawn as occluders.
     pub occluder_triangles: f64,
+    /// Its time, in milliseconds, with the draw of a stage that draws while it culls.
     pub ms: f64,
 }
 
@@ -281,20 +269,20 @@ impl MethodRun {
     }
 
     /// The stages of a composed method, on the mean of frames; none of another one.
-    pub fn stages(&self) -> Vec<MeanStage> {
-        let stages = self.frames.first().map_or(0, |frame| frame.stages.len());
-        let stage = |i: usize| {
-            let mean = |of: fn(&StageCounts) -> f64| self.mean_of(|frame| frame.stages.get(i).map_or(0.0, of));
-            MeanStage {
-                method: self.frames[0].stages[i].method.clone(),
-                objects_left: mean(|stage| stage.objects_left.into()),
-                triangles_left: mean(|stage| stage.triangles_left as f64),
-                queries: mean(|stage| stage.queries as f64),
-                occluder_triangles: mean(|stage| stage.occluder_triangles as f64),
+    pub fn stages(&self) -> Vec<StageCounts> {
+        let Some(first) = self.frames.first() else { return Vec::new() };
+        let stage = |(i, stage): (usize, &StageCounts)| {
+            let mean = |of: fn(&StageCounts) -> f64| self.mean_of(|frame| frame.stages.get(i).map_or(f64::NAN, of));
+            StageCounts {
+                method: stage.method.clone(),
+                objects_left: mean(|stage| stage.objects_left),
+                triangles_left: mean(|stage| stage.triangles_left),
+                queries: mean(|stage| stage.queries),
+                occluder_triangles: mean(|stage| stage.occluder_triangles),
                 ms: mean(|stage| stage.ms),
             }
         };
-        (0..stages).map(stage).collect()
+        first.stages.iter().enumerate().map(stage).collect()
     }
 
     /// The means per frame of the counts, for a view of so many `pixels`.

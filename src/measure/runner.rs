@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use super::report::{FrameRecord, StageTimes};
-use super::stage::{Before, State, timed};
+use super::report::FrameRecord;
+use super::stage::{Before, State, Timing, timed};
 use super::walk::{Exact, Tally, WalkOptions};
 use crate::cull::hom::HomFrame;
 use crate::cull::vfc::World;
@@ -63,21 +63,21 @@ impl<'m, 's> Runner<'m, 's> {
     ) -> Result<VisibleSet> {
         let ideal = self.state.ideal(world, view, exact, &mut self.canvas)?;
         self.state.set_memory(&self.before);
-        let (mut stages, mut counts) = (StageTimes::default(), Vec::new());
+        let mut timing = Timing::default();
         let start = Instant::now();
         let set = match ideal {
             Some(set) => set,
-            None => self.state.cull(world, view, options, &mut self.canvas, &mut stages, &mut counts)?,
+            None => self.state.cull(world, view, options, &mut self.canvas, &mut timing)?,
         };
         if !self.state.draws() {
             let (workers, canvas) = (options.workers, &mut self.canvas);
-            timed(&mut stages.draw, || {
+            timed(&mut timing.parts.draw, || {
                 canvas.draw(view, world.scene, &set.objects, workers.bands(), |jobs| workers.run(jobs, DrawJob::run))
             })?;
         }
         let ms = start.elapsed().as_secs_f64() * 1e3;
         if let Some(record) = self.tally.frames.last_mut().filter(|r| ms < r.frame_ms) {
-            (record.frame_ms, record.stage_ms, record.stages) = (ms, stages, counts);
+            (record.frame_ms, record.stage_ms, record.stages) = (ms, timing.parts, timing.stages);
         }
         Ok(set)
     }

@@ -48,8 +48,15 @@ pub(super) enum State<'m, 's> {
 pub(super) struct Stage<'m, 's> {
     name: String,
     state: State<'m, 's>,
-    /// What is left for the next stage.
-    left: World<'s>,
+    /// The world restricted to what the stage before it left; `None` for the first, which sees all.
+    left: Option<World<'s>>,
+}
+
+/// Where a frame's time went: parts of the frame, and the stages of a composed method.
+#[derive(Default)]
+pub(super) struct Timing {
+    pub parts: StageTimes,
+    pub stages: Vec<StageCounts>,
 }
 
 /// The part of it that a frame reads.
@@ -76,11 +83,11 @@ impl<'m, 's> State<'m, 's> {
             Method::Vfc => State::Vfc(VfcMemory::default()),
             Method::Detail(pixels) => State::Detail(*pixels, Box::default()),
             Method::Composed(stages) => {
-                let stage = |stage: &'m Method| {
+                let stage = |(i, stage): (usize, &'m Method)| {
                     let state = State::new(stage, world, view, options, (&mut *sources, &mut *cells))?;
-                    Ok(Stage { name: stage.name(), state, left: world.copy() })
+                    Ok(Stage { name: stage.name(), state, left: (i > 0).then(|| world.copy()) })
                 };
-                State::Composed(stages.iter().map(stage).collect::<Result<_>>()?)
+                State::Composed(stages.iter().enumerate().map(stage).collect::<Result<_>>()?)
             }
             Method::Hzb(p) => State::Hzb(p, HzbMemory::default()),
             Method::Queries(p) => State::Queries(p, ChcMemory::default()),
@@ -173,10 +180,9 @@ impl<'m, 's> State<'m, 's> {
         view: &View,
         options: &WalkOptions<'_>,
         canvas: &mut Canvas,
-        stages: &mut StageTimes,
-        counts: &mut Vec<StageCounts>,
+        timing: &mut Timing,
     ) -> Result<VisibleSet> {
-        let level = options.level;
+        let (level, stages) = (options.level, &mut timing.parts);
         match self {
             State::Hom(p, frame) => cull_hom(frame, world, view, p, options, stages),
             State::Hzb(p, memory) => {
@@ -198,7 +204,7 @@ impl<'m, 's> State<'m, 's> {
             State::Detail(pixels, memory) => {
                 Ok(timed(&mut stages.cull, || detail::keep(world, level, view, *pixels, memory)))
             }
-            State::Composed(all) => cull_composed(all, world, view, options, canvas, stages, counts),
+            State::Composed(stages) => cull_composed(stages, world, view, options, canvas, timing),
             // Found before.
             State::Exact | State::StopAndWait(_) => Ok(VisibleSet::default()),
         }
@@ -220,29 +226,30 @@ pub fn applies(method: &Method, scene: &PreparedScene) -> Result<()> {
 
 /// Culls by stages: each walks what the one before it left. What a stage draws meanwhile counts if it is the last.
 fn cull_composed<'s>(
-    all: &mut [Stage<'_, 's>],
-    world: &World<'s>,
+    stages: &mut [Stage<'_, 's>],
+    whole: &World<'s>,
     view: &View,
     options: &WalkOptions<'_>,
     canvas: &mut Canvas,
-    stages: &mut StageTimes,
-    counts: &mut Vec<StageCounts>,
+    timing: &mut Timing,
 ) -> Result<VisibleSet> {
-    let (mut total, last) = (VisibleSet::default(), all.len() - 1);
-    let mut before: Option<&World<'s>> = None;
-    for (i, Stage { name, state, left }) in all.iter_mut().enumerate() {
+    let mut total = VisibleSet::default();
+    for Stage { name, state, left } in stages {
         let start = Instant::now();
-        let set = state.cull(before.unwrap_or(world), view, options, canvas, stages, &mut Vec::new())?;
-        if i < last {
-            timed(&mut stages.cull, || left.restrict_to(world, &set.objects));
-        }
-        before = Some(left);
-        counts.push(StageCounts {
+        let world = match left {
+            Some(left) => {
+                timed(&mut timing.parts.cull, || left.restrict_to(whole, &total.objects));
+                &*left
+            }
+            None => whole,
+        };
+        let set = state.cull(world, view, options, canvas, timing)?;
+        timing.stages.push(StageCounts {
             method: name.clone(),
-            objects_left: set.objects.len() as u32,
-            triangles_left: world.triangles(&set.objects),
-            queries: set.queries,
-            occluder_triangles: set.occluder_triangles,
+            objects_left: set.objects.len() as f64,
+            triangles_left: whole.triangles(&set.objects) as f64,
+            queries: set.queries as f64,
+            occluder_triangles: set.occluder_triangles as f64,
             ms: start.elapsed().as_secs_f64() * 1e3,
         });
         total = total.then(set);

@@ -30,6 +30,9 @@ pub struct PreparedScene {
     pub colors: Vec<i32>,
     /// The scene's cells and portals, if it brings them.
     pub cells: Option<Cells>,
+    /// Those found in it, once somebody asked.
+    #[cfg(feature = "bvh")]
+    found: std::sync::OnceLock<super::FoundCells>,
 }
 
 impl PreparedScene {
@@ -71,6 +74,12 @@ impl PreparedScene {
         out.first_triangle.push(out.colors.len() as u32);
         out.boxes = BoxSet::new(&out.bounds);
         Ok(out)
+    }
+
+    /// The cells found in the scene ([`find_cells`](super::find_cells)), whatever cells it brings: found once, on demand.
+    #[cfg(feature = "bvh")]
+    pub fn found_cells(&self) -> &super::FoundCells {
+        self.found.get_or_init(|| super::find_cells(self))
     }
 
     /// Triangles of an object.

@@ -82,9 +82,10 @@ impl WideHierarchy {
         self.groups.len() as u32 - 1
     }
 
-    /// The sum of something over the objects below each group.
-    pub(crate) fn sums(&self, of: impl Fn(u32) -> u64) -> Vec<u64> {
-        let mut sums = vec![0; self.groups.len()];
+    /// Sums something over the objects below each group.
+    pub(crate) fn sums(&self, of: impl Fn(u32) -> u64, sums: &mut Vec<u64>) {
+        sums.clear();
+        sums.resize(self.groups.len(), 0);
         // Children come after their parents.
         for group in (0..self.groups.len()).rev() {
             sums[group] = (self.children(group as u32))
@@ -94,7 +95,6 @@ impl WideHierarchy {
                 })
                 .sum();
         }
-        sums
     }
 
     /// All children of a group, those included that take no part at present.

@@ -4,7 +4,7 @@
 //! A region is cut by each portal on its way (`clip=polygon`), or by the rectangle around what is left of it
 //! (`clip=rectangle`, the papers' way). An object is drawn when, of what is in the frustum, the part of its box that lies in a
 //! seen cell meets a region of that cell. Exact for cells whose walls have no cracks: the promise of [`Cells`].
-//! Cells come with the scene, or are found in it ([`find_cells`]).
+//! Cells come with the scene, or are found in it ([`PreparedScene::found_cells`]).
 //!
 //! Invariants. A region that arrives in a cell and lies in one that was there before ends there, which ends cycles too: on its way
 //! round a region only shrinks. A cell keeps a few regions; of more it keeps the rectangle around them in whole samples, so
@@ -25,7 +25,7 @@ use super::VisibleSet;
 use super::vfc::{self, VfcMemory, World};
 use crate::error::{Error, Result};
 use crate::geometry::Aabb;
-use crate::scene::{Cells, FoundCells, ObjectCells, PreparedScene, find_cells};
+use crate::scene::{Cells, FoundCells, ObjectCells, PreparedScene};
 use crate::view::View;
 use region::{Edges, Region};
 use viewer::Viewer;
@@ -43,12 +43,12 @@ pub enum PortalClip {
 /// Where cells and portals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CellsFrom {
-    /// The scene, or [`find_cells`] if it brings none.
+    /// The scene, or [`PreparedScene::found_cells`] if it brings none.
     #[default]
     Any,
     /// The scene brings them.
     Given,
-    /// [`find_cells`], whatever the scene brings.
+    /// [`PreparedScene::found_cells`], whatever the scene brings.
     Found,
 }
 
@@ -118,7 +118,7 @@ impl PortalScene {
                     "the scene brings no cells, as the generator rooms does, or NAME.cells.json beside NAME.obj";
                 return Err(Error::parameter("method", "portals", reason));
             }
-            (CellsFrom::Any, None) | (CellsFrom::Found, _) => worthwhile(find_cells(scene))?,
+            (CellsFrom::Any, None) | (CellsFrom::Found, _) => worthwhile(scene.found_cells())?.clone(),
         };
         Ok(PortalScene { objects: ObjectCells::new(scene, &cells), cells })
     }
@@ -135,9 +135,9 @@ impl PortalScene {
 }
 
 /// Cells found, if walls part them.
-fn worthwhile(found: FoundCells) -> Result<Cells> {
+fn worthwhile(found: &FoundCells) -> Result<&Cells> {
     let reason = match found.cells.cells().len() {
-        _ if found.covered >= WORTHWHILE => return Ok(found.cells),
+        _ if found.covered >= WORTHWHILE => return Ok(&found.cells),
         0 | 1 => "nothing to gain: no large opaque face lies across an axis, so that the scene is one cell".into(),
         n => format!(
             "nothing to gain: of the faces between the {n} cells found, opaque triangles are proven to cover {:.2} %",

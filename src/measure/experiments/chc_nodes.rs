@@ -43,7 +43,8 @@ pub(super) fn picture(bench: &Bench<'_>, place: &Place) -> Result<()> {
     let area = |&([(x0, z0), (x1, z1)], _): &Footprint| (x1 - x0) * (z1 - z0);
     nodes.sort_by(|a, b| area(b).total_cmp(&area(a)));
     let eye = place.views[shown].eye() - place.prepared.origin;
-    let name: String = place.scene.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    let last = place.scene.name.rsplit('/').next().unwrap_or_default();
+    let name: String = last.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
     let title = format!("Nodes as chc left them, from above: {}", place.scene.name);
     let line = format!(
         "frame {shown} of {}: {} objects visible, {} nodes and objects found hidden; the eye in black",

@@ -232,11 +232,15 @@ impl Cell {
 impl fmt::Display for Statement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = if self.holds { "Borne out" } else { "NOT borne out" };
-        let source = if self.section.starts_with(|c: char| c.is_ascii_digit()) {
-            format!("The thesis ({}) claims", self.section)
-        } else {
-            format!("{} claim", self.section)
+        let source = match of_thesis(self.section) {
+            true => format!("The thesis ({}) claims", self.section),
+            false => format!("{} claim", self.section),
         };
         write!(f, "{source} that {}. {verdict}: here {}.", self.claim, self.found)
     }
+}
+
+/// Whether a claim's section is one of the thesis: those are numbers alone, other papers are named.
+pub(super) fn of_thesis(section: &str) -> bool {
+    section.starts_with(|c: char| c.is_ascii_digit())
 }

@@ -122,7 +122,7 @@ pub enum Progress {
 impl Experiment {
     /// The paper and its section.
     pub fn source(&self) -> String {
-        source(self.section)
+        if findings::of_thesis(self.section) { format!("thesis {}", self.section) } else { self.section.to_owned() }
     }
 
     /// The experiment of that name.
@@ -135,11 +135,6 @@ impl Experiment {
             Error::parameter("experiment", name, format!("is unknown; known are {}", names.join(", ")))
         })
     }
-}
-
-/// A section of the thesis is a number alone.
-fn source(section: &str) -> String {
-    if section.starts_with(|c: char| c.is_ascii_digit()) { format!("thesis {section}") } else { section.to_owned() }
 }
 
 impl Places {
